@@ -75,7 +75,7 @@ fn class(error: &Error) -> &'static str {
         Error::Device(_) => "DeviceError",
         Error::Checkpoint { .. } => "CheckpointError",
         Error::Figure { .. } => "FigureError",
-        Error::Interrupted { .. } => "Interrupted",
+        Error::Interrupted { .. } | Error::Cut { .. } => "Interrupted",
         _ => "Error",
     }
 }

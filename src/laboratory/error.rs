@@ -79,6 +79,12 @@ pub enum Error {
         /// Runs of the campaign.
         of: usize,
     },
+    /// Work that keeps nothing until it is done was stopped from outside (Ctrl-C, SIGTERM).
+    #[error("stopped while {doing}; nothing of it is kept")]
+    Cut {
+        /// What was being done.
+        doing: &'static str,
+    },
     /// A campaign was stopped from outside (Ctrl-C, SIGTERM). Finished runs and the checkpoints of the others are kept, and
     /// the same call made again does what is left.
     #[error("{}stopped with {done} of {of} runs done{}; what is done is kept", failures(.failed), and_failed(.failed.len()))]
@@ -220,7 +226,7 @@ impl Error {
             Error::Figure { input, .. } => 1 + u8::from(*input),
             Error::Write { .. } | Error::Failed { .. } | Error::Campaign { .. } => 1,
             Error::Unstable { .. } | Error::Impossible { .. } | Error::Stalled { .. } => 3,
-            Error::Interrupted { .. } | Error::Stopped { .. } => 130,
+            Error::Interrupted { .. } | Error::Stopped { .. } | Error::Cut { .. } => 130,
         }
     }
 }

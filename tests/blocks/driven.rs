@@ -200,6 +200,25 @@ fn glue_breaks_at_its_strength_times_its_area() {
     assert!(scene.block(1).velocity[2] > 0.0 && scene.all().touching().count() == 0);
 }
 
+/// A free cube that is pushed by a table, up and down and past its end: its momentum is the area under the straight lines between the rows, and the work on it is its kinetic energy.
+#[test]
+fn a_push_follows_its_table() {
+    let push = "force_N = [8.0, 0.0, -4.0]\npush_s = [0.1, 0.2, 0.4, 0.5]\npush_share = [0.5, 1.0, -1.0, 0.25]";
+    let mut scene = fine(0.2, NO_GRAVITY, &cuboid([100.0; 3], [0.0; 3], push));
+    // before the first row, three trapezia, after the last
+    for (more, area) in [(0.1, 0.05), (0.4, 0.05 + 0.075 + 0.0 - 0.0375), (0.1, 0.0875 + 0.025)] {
+        scene.run(more).expect("a run");
+        let end = scene.state.time;
+        let (b, drive) = (scene.block(0), &scene.all().drives().expect("drives").bodies[0]);
+        let kick = area / b.mass;
+        assert!(
+            (b.velocity[0] - 8.0 * kick).abs() < 2e-3 * kick && (b.velocity[2] + 4.0 * kick).abs() < 2e-3 * kick,
+            "{end}: {b:?}"
+        );
+        assert!((drive.of_push / b.kinetic() - 1.0).abs() < 5e-3, "{end}: {} {}", drive.of_push, b.kinetic());
+    }
+}
+
 /// Glue breaks in bending where N/A + M R/I is its strength: a cube held by its side, loaded by a force on its centre. Its shear strength is far off.
 #[test]
 fn a_glued_bracket_breaks_in_bending() {

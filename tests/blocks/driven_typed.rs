@@ -199,6 +199,13 @@ fn what_a_block_cannot_do_is_refused() {
         ("stress_kPa", "driven = true\nstress_kPa", "block[2].stress_kPa = [0.0, 0.0, -2.0]: has no meaning with driven = true"),
         ("stress_kPa", "angle_deg = 3.0\nstress_kPa", "needs angle_deg = 0"),
         ("stress_kPa = [0.0, 0.0, -2.0]", "", "block[2].ramp_s = 0.05: has no meaning without force_N"),
+        (
+            "ramp_s = 0.05",
+            "push_s = [0.0, 1.0]",
+            "block[2].push_s = [0.0, 1.0]: must be times and as many shares: push_s has 2, push_share has 0",
+        ),
+        ("ramp_s = 0.05", "push_s = [0.0, 1.0, 1.0]\npush_share = [0.0, 1.0, 0.0]", "must rise from row to row: row 2"),
+        ("ramp_s = 0.05", "ramp_s = 0.05\npush_share = [0.0]", "block[2].push_share = [0.0]: must not stand beside ramp_s"),
         ("[\"x\", \"y\", \"rotation\"]", "[\"x\", \"tilt\"]", "must be a list of some of \"x\", \"y\", \"z\", \"rotation\""),
         (
             "size_mm = [100.0, 100.0, 20.0]",

@@ -67,6 +67,18 @@ pub fn sin(angle: f64) -> f64 {
     angle * sum
 }
 
+/// Arc tangent of a number from 0 to 1, rad: four times that of what halving the angle twice leaves, by its Taylor series.
+pub fn atan(tangent: f64) -> f64 {
+    let half = |t: f64| t / (1.0 + (1.0 + t * t).sqrt());
+    let t = half(half(tangent));
+    let square = t * t;
+    let mut sum = 0.0;
+    for k in (0..=12).rev() {
+        sum = 1.0 / f64::from(2 * k + 1) - square * sum;
+    }
+    4.0 * t * sum
+}
+
 /// ln Γ(x) for x > 0: Stirling's series for x ≥ 12, and Γ(x + 1) = x Γ(x) below.
 pub fn ln_gamma(x: f64) -> f64 {
     const SERIES: [f64; 6] = [1.0 / 12.0, -1.0 / 360.0, 1.0 / 1260.0, -1.0 / 1680.0, 1.0 / 1188.0, -691.0 / 360_360.0];
@@ -84,6 +96,14 @@ pub fn ln_gamma(x: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn arc_tangent_follows_the_library() {
+        for k in 0..=1000 {
+            let t = 1e-3 * f64::from(k);
+            assert!((atan(t) - t.atan()).abs() < 4e-16, "{t}: {:e}", atan(t) - t.atan());
+        }
+    }
 
     #[test]
     fn power_follows_the_library() {

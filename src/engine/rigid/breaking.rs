@@ -215,13 +215,12 @@ impl Blocks {
         borne.resize(self.blocks.len(), Borne::default());
         let same = |a: &super::BlockContact, b: &super::BlockContact| a.block == b.block && a.other.partner() == b.other.partner();
         let stress = crush.criterion.judges() == Judges::MeanStress;
-        for contacts in self.candidates.chunk_by(same) {
-            if matches!(contacts[0].other, Other::Point(_) | Other::Grain(_)) {
-                continue;
-            }
+        let of_spheres = |c: &super::BlockContact| matches!(c.other, Other::Point(_) | Other::Grain(_));
+        let touching: Vec<&super::BlockContact> = self.touching().filter(|c| !of_spheres(c)).collect();
+        for contacts in touching.chunk_by(|a, b| same(a, b)) {
             let (mut normal, mut weight, mut place) = ([0.0; 3], 0.0, [0.0; 3]);
             let (first, other) = (contacts[0].block, contacts[0].other);
-            for c in contacts.iter().filter(|c| c.touch.overlap > 0.0) {
+            for c in contacts {
                 let f = c.share * c.touch.normal_force;
                 normal = plus(normal, less(scaled(c.touch.normal, f), c.beside[0]));
                 (weight, place) = (weight + f, plus(place, scaled(c.arm, f)));
@@ -317,6 +316,7 @@ impl Blocks {
         let touches = |c: &super::BlockContact| c.block as usize == k || c.other.partner_body() == Some(k as u32);
         let stored = self.touching().filter(|c| touches(c)).map(|c| c.energy(energy_factor)).sum();
         self.candidates.retain(|c| !touches(c));
+        self.sleepers.forget();
         self.age.forget();
         let (new, generation) = (self.blocks.len() as u32, fate.generation.saturating_add(1));
         let event = Breakage {

@@ -1,6 +1,7 @@
 //! Forces of all contacts of rigid bodies, and their addition to bodies, grains, points and walls.
 
 use super::pair::{Meeting, Outline, Overlap, Site, corner_on_facets, meeting};
+use super::sleep::gap_at;
 use super::{Block, Blocks, Pose};
 use crate::boundary::Wall;
 use crate::contact::force::{self, ContactGeometry, ContactHistory, RelativeMotion, Rules};
@@ -188,15 +189,19 @@ impl Blocks {
     /// Computes the forces of this instant, after [`Self::update`]: of contacts with points (`points`), or of all others. In parallel over contacts; each task writes only its own.
     pub fn evaluate(&mut self, scene: &BlockScene<'_>, points: bool) {
         let rules = Rules { dt: scene.dt, unloading: scene.unloading, weighs_radius: true, task: TASK, arch: pulp::Arch::Scalar };
-        let Blocks { blocks, outlines, candidates, .. } = self;
+        let Blocks { blocks, outlines, candidates, sleepers, .. } = self;
         let bodies = posed(blocks, outlines, scene.ahead[0]);
+        sleepers.follow(&bodies, candidates);
         if bodies.iter().any(|body| body.block.solid().facets() > 1) {
             let groups = candidates.par_chunk_by_mut(|a, b| (a.block, a.other) == (b.block, b.other));
             groups.filter(|group| group[0].is_of_point() == points).for_each(|group| pass_on(scene, &bodies, group));
         }
         with_law!(scene.law, L => {
-            candidates.par_iter_mut().with_min_len(TASK).filter(|c| c.is_of_point() == points).for_each(|contact| {
-                touch::<L>(scene, &rules, &bodies, contact);
+            let (sleepers, ways, due) = sleepers.open(points);
+            let looked_at = candidates.par_iter_mut().zip(sleepers).with_min_len(TASK);
+            looked_at.filter(|(_, sleeper)| due(sleeper)).for_each(|(contact, sleeper)| {
+                let gap = touch::<L>(scene, &rules, &bodies, contact);
+                sleeper.note(contact.touch.overlap > 0.0, gap, ways);
             });
         });
     }
@@ -213,13 +218,13 @@ impl Blocks {
 
     /// Contacts that touch, in the order of the list.
     pub fn touching(&self) -> impl Iterator<Item = &BlockContact> {
-        self.candidates.iter().filter(|c| c.touch.overlap > 0.0)
+        self.sleepers.touching(&self.candidates)
     }
 
     /// Adds `of_blocks` times the force of each contact with a point to its body, and `of_points` times the opposite force, with `stiff` times the larger
     /// tangent stiffness, to the face of the point.
     pub fn apply_point_reactions(&mut self, of_blocks: f64, continuum: &mut Continuum, [of_points, stiff]: [f64; 2]) {
-        for c in self.candidates.iter().filter(|c| c.is_of_point() && c.touch.overlap > 0.0) {
+        for c in self.sleepers.touching(&self.candidates).filter(|c| c.is_of_point()) {
             let (force, [k_n, k_t]) = (c.force(), c.stiffness);
             let (push, stiffness) = (force.map(|f| -(of_points * f)), stiff * k_n.max(k_t));
             GhostFace::push(c.face, [c.radius, c.touch.overlap], continuum, c.place as usize, push, stiffness);
@@ -230,7 +235,7 @@ impl Blocks {
     /// Adds the forces of contacts with grains, walls and other bodies to bodies and to `external_forces` (force, N, and torque, N m, by index of the grain).
     pub fn apply_grain_and_wall_reactions(&mut self, grains: &Grains, external_forces: &mut Vec<[[f64; 4]; 2]>) {
         external_forces.resize(grains.len(), [[0.0; 4]; 2]);
-        for c in self.candidates.iter().filter(|c| !c.is_of_point() && c.touch.overlap > 0.0) {
+        for c in self.sleepers.touching(&self.candidates).filter(|c| !c.is_of_point()) {
             add_force_and_torque(&mut self.applied[c.block as usize], c, 1.0);
             match c.other {
                 Other::Grain(_) => {
@@ -278,8 +283,8 @@ impl Blocks {
         if self.first_touch > 0.0 && self.candidates.iter().any(BlockContact::is_of_point) {
             most.points = self.first_touch;
         }
-        let touching = || self.candidates.iter().filter(|c| c.touch.overlap > 0.0);
-        for c in touching() {
+        let touching = self.sleepers.touching(&self.candidates);
+        for c in touching.clone() {
             let ([k_n, k_t], i) = (c.stiffness.map(|k| c.share * k), c.place as usize);
             let k = k_n.max(k_t);
             let mut add = |body: u32, arm: [f64; 3]| {
@@ -305,7 +310,7 @@ impl Blocks {
             }
         }
         // zeros again, where the sums were changed
-        for c in touching() {
+        for c in touching {
             match c.other {
                 Other::Point(_) => of_points[c.place as usize] = 0.0,
                 Other::Grain(_) => of_grains[c.place as usize] = 0.0,
@@ -485,12 +490,13 @@ pub(super) fn spot_at(wall: &Wall, block: &Block, pose: &Pose, spot: usize) -> (
     (towards, gap, at)
 }
 
-/// Computes the force of contact `c` and stores it there.
-fn touch<L: Law>(scene: &BlockScene<'_>, rules: &Rules, bodies: &[PosedBlock<'_>], c: &mut BlockContact) {
+/// Computes the force of contact `c` and stores it there. Of one that does not touch a bound below on the gap, m; 0 where it is to be looked at again next time.
+fn touch<L: Law>(scene: &BlockScene<'_>, rules: &Rules, bodies: &[PosedBlock<'_>], c: &mut BlockContact) -> f64 {
     let body = &bodies[c.block as usize];
     let spring = L::VISCOUS.then_some(c.spring);
     let old = ContactHistory { touch: c.touch, spring, rolling: None, load: None, largest: None, work: None };
     let met = across(scene, bodies, c);
+    let gap = if met.is_none() { gap_at(body, bodies, c) } else { 0.0 };
     if met.is_none() {
         c.reference = 0.0;
     }
@@ -501,7 +507,7 @@ fn touch<L: Law>(scene: &BlockScene<'_>, rules: &Rules, bodies: &[PosedBlock<'_>
         if c.face.is_some() && body.meets(c.facet, scene.point_at(c.place as usize), c.radius).is_none() {
             c.face = None;
         }
-        return;
+        return gap;
     };
     if scene.point_table.faces && c.is_of_point() {
         match &mut c.face {
@@ -529,6 +535,7 @@ fn touch<L: Law>(scene: &BlockScene<'_>, rules: &Rules, bodies: &[PosedBlock<'_>
         Some(ends) => beside_ends(&o, ends, |overlap| L::elastic(overlap, overlap, o.r_eff, &o.pair), body.pose.centre),
         None => (1.0, [[0.0; 3]; 2]),
     };
+    0.0
 }
 
 /// Hands on histories among the contacts of one sphere or corner with the facets of one sheet, or the parts of one compound: a contact that begins beside another one takes over what that has. It is

@@ -1,7 +1,7 @@
 //! Bodies that are moved, pushed or held from outside.
 //!
 //! A body may follow a *path*, a table of times, places and angles about one axis, with straight lines between the rows. Its velocity in a step is the way of that step over its time, so the body is
-//! where the table says after every step, however long. A body may be *pushed* by a force and a torque that act on its centre of mass and grow linearly to their full size. It may be *held*: in
+//! where the table says after every step, however long. A body may be *pushed* by a force and a torque that act on its centre of mass, in shares that follow a table of times. It may be *held*: in
 //! single directions, and in its rotation, it keeps the velocity that it started with.
 //!
 //! The works are kept: that of a push by the path, ½ (F(t) + F(t + Δt)) Δx, and that of what drives or holds a body by what its kinetic energy gains less the work of all other forces on it,
@@ -13,6 +13,35 @@ use crate::check::{self, Checked, ensure};
 use crate::math::vector::{dot, less, plus, scaled};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
+
+/// The two rows of a table between which a time lies. Before the first row both are the first, after the last both are the last.
+struct Rows {
+    from: usize,
+    to: usize,
+    /// Share of the time from the one to the other that has passed.
+    share: f64,
+}
+
+impl Rows {
+    /// Of a table with rising times, s.
+    fn at(times: &[f64], time: f64) -> Rows {
+        let next = times.partition_point(|t| *t <= time);
+        if next == 0 || next == times.len() {
+            let k = next.saturating_sub(1);
+            return Rows { from: k, to: k, share: 0.0 };
+        }
+        Rows { from: next - 1, to: next, share: (time - times[next - 1]) / (times[next] - times[next - 1]) }
+    }
+
+    fn between(&self, a: f64, b: f64) -> f64 {
+        a + self.share * (b - a)
+    }
+
+    /// The value there of a column.
+    fn value(&self, column: &[f64]) -> f64 {
+        self.between(column[self.from], column[self.to])
+    }
+}
 
 /// Places and angles of a body against time.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -32,15 +61,9 @@ pub struct Path {
 impl Path {
     /// Place, m, and angle, rad, at time `time`, s.
     pub fn at(&self, time: f64) -> ([f64; 3], f64) {
-        let next = self.times.partition_point(|t| *t <= time);
-        if next == 0 || next == self.times.len() {
-            let k = next.saturating_sub(1);
-            return (self.places[k], self.angles[k]);
-        }
-        let (k, share) = (next - 1, (time - self.times[next - 1]) / (self.times[next] - self.times[next - 1]));
-        let between = |a: f64, b: f64| a + share * (b - a);
-        let (from, to) = (self.places[k], self.places[next]);
-        (std::array::from_fn(|a| between(from[a], to[a])), between(self.angles[k], self.angles[next]))
+        let rows = Rows::at(&self.times, time);
+        let (from, to) = (self.places[rows.from], self.places[rows.to]);
+        (std::array::from_fn(|a| rows.between(from[a], to[a])), rows.value(&self.angles))
     }
 
     /// Velocity, m/s, and spin, rad/s, with which it begins.
@@ -59,20 +82,22 @@ impl Path {
 }
 
 /// A force and a torque on a body.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Push {
     /// Force on the centre of mass, N; in plane strain per metre of depth.
     pub force: [f64; 3],
     /// Torque, N m.
     pub torque: [f64; 3],
-    /// Time in which both grow linearly from zero to their full size, s; 0: they act at once.
-    pub ramp: f64,
+    /// Times of the rows of a table, s, each later than the one before; none: both act fully at all times.
+    pub times: Vec<f64>,
+    /// Share of both that acts at each time, with straight lines between; before the first and after the last row it stays.
+    pub shares: Vec<f64>,
 }
 
 impl Push {
     /// Force, N, and torque, N m, at time `time`, s.
     pub fn at(&self, time: f64) -> [[f64; 3]; 2] {
-        let share = if self.ramp > 0.0 { (time / self.ramp).clamp(0.0, 1.0) } else { 1.0 };
+        let share = if self.times.is_empty() { 1.0 } else { Rows::at(&self.times, time).value(&self.shares) };
         [self.force, self.torque].map(|v| scaled(v, share))
     }
 }
@@ -102,9 +127,9 @@ impl Programme {
         if let Some(path) = &self.path {
             text += &format!(", on a path of {} rows until {} s", path.times.len(), path.times[path.times.len() - 1]);
         }
-        let Push { force, torque, .. } = self.push;
+        let Push { force, torque, .. } = &self.push;
         for (of, unit) in [(force, "N"), (torque, "N m")] {
-            if of != [0.0; 3] {
+            if *of != [0.0; 3] {
                 text += &format!(", pushed by {of:?} {unit}");
             }
         }
@@ -305,8 +330,8 @@ mod tests {
     fn a_held_body_moves_where_it_may() {
         let mut block = cube();
         block.velocity = [0.5, 0.0, 0.0];
-        let push = Push { force: [10.0, 0.0, -20.0], torque: [1.0; 3], ramp: 0.5 };
-        let programme = Programme { push, held: [true, true, false], held_turn: true, path: None };
+        let push = Push { force: [10.0, 0.0, -20.0], torque: [1.0; 3], times: vec![0.0, 0.5], shares: vec![0.0, 1.0] };
+        let programme = Programme { push: push.clone(), held: [true, true, false], held_turn: true, path: None };
         let mut drive = Drive { programme, ..Drive::default() };
         let (dt, steps) = (1e-4, 10_000);
         for k in 0..steps {

@@ -24,6 +24,7 @@ mod measure;
 pub mod motion;
 mod pair;
 mod search;
+mod sleep;
 
 pub use breaking::{Breakage, Breaking, Fate, LEAST, MOST_LOST};
 pub use contact::{BlockContact, BlockScene, Other};
@@ -42,6 +43,7 @@ use crate::point_contacts::Age;
 use crate::shape::{Shape, Solid};
 use pair::Outline;
 use serde::{Deserialize, Serialize};
+use sleep::Sleepers;
 
 /// A rigid body and its state. Velocity and angular momentum are those of the last half step (leapfrog).
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -142,6 +144,9 @@ pub struct Blocks {
     /// What other bodies touch of each body; made when it is first needed.
     #[serde(skip)]
     outlines: Vec<Outline>,
+    /// Which candidates have to be looked at.
+    #[serde(skip)]
+    sleepers: Sleepers,
     /// Buffers: index by identity, of grains and of points.
     #[serde(skip)]
     index: [Vec<u32>; 2],
@@ -275,6 +280,8 @@ impl Blocks {
     /// Memory in use, bytes.
     pub fn bytes(&self) -> usize {
         let index: usize = self.index.iter().map(|i| 4 * i.capacity()).sum();
-        self.candidates.capacity() * size_of::<BlockContact>() + self.blocks.capacity() * size_of::<Block>() + index
+        self.candidates.capacity() * (size_of::<BlockContact>() + Sleepers::BYTES)
+            + self.blocks.capacity() * size_of::<Block>()
+            + index
     }
 }

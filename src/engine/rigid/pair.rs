@@ -154,6 +154,25 @@ pub(super) fn meeting(
     }
 }
 
+/// A bound below on the gap at a site of two bodies of which none is a sheet, a compound or a superquadric, m; `None` of others.
+pub(super) fn gap(first: &PosedBlock<'_>, second: &PosedBlock<'_>, site: Site) -> Option<f64> {
+    let (a, b) = (first.outline?, second.outline?);
+    let corner = |k: u32, [of, on]: [&Outline; 2], [body, other]: [&PosedBlock<'_>; 2]| {
+        let at = other.pose.within(body.pose.place(*of.body.corners().get(k as usize)?));
+        Some(on.body.before(at)? - of.body.corner_radius(k as usize))
+    };
+    match site {
+        Site::CornerOfFirst(k) => corner(k, [a, b], [first, second]),
+        Site::CornerOfSecond(k) => corner(k, [b, a], [second, first]),
+        Site::Edges([i, j]) => {
+            let p = a.edges.get(i as usize)?.map(|x| first.pose.place(x));
+            let q = b.edges.get(j as usize)?.map(|x| second.pose.place(x));
+            Some(between(p, q) - a.body.edge_radius(i as usize) - b.body.edge_radius(j as usize))
+        }
+        Site::Nearest => None,
+    }
+}
+
 /// Share of the square of the distance of two cores within which Newton's method is given a start.
 const ROUGH: f64 = 1e-2;
 
@@ -252,35 +271,68 @@ pub(super) fn corner_on_facets<'a>(
     (on.block.solid().facets() > 1).then(|| (on, on.pose.within(of.pose.place(corner)), body.corner_radius(k as usize)))
 }
 
-/// What can be near the other body, by its place along the line between the centres: of the first body what is beyond `first`, of the second what is before `second`.
+/// What of a body can be near another one: what lies beyond a plane between them.
 struct Facing {
+    /// Unit vector across the plane, towards the other body, in the frame of this one.
     along: [f64; 3],
-    first: f64,
-    second: f64,
+    /// Place of the plane along it, m.
+    plane: f64,
 }
 
+/// Share of the square of the distance of two hulls to which the direction between them is sought.
+const ABOUT: f64 = 0.1;
+
 impl Facing {
-    /// Of two bodies whose hulls within count as near up to the distance `radii`, m. A sheet lies all around.
-    fn of(first: &PosedBlock<'_>, second: &PosedBlock<'_>, [a, b]: [&Outline; 2], radii: f64) -> Facing {
-        let along = less(second.pose.centre, first.pose.centre);
-        let length = dot(along, along).sqrt();
+    /// Of each of two bodies whose hulls within count as near up to the distance `radii`, m; `None` where they are further from each other. A sheet lies all around. Any direction will do; the nearer to
+    /// that in which the bodies are nearest, the less can be near.
+    fn of(first: &PosedBlock<'_>, second: &PosedBlock<'_>, [a, b]: [&Outline; 2], radii: f64) -> Option<[Facing; 2]> {
+        let between = less(second.pose.centre, first.pose.centre);
+        let length = dot(between, between).sqrt();
         if length == 0.0 || a.body.sheet().is_some() || b.body.sheet().is_some() {
-            return Facing { along: [0.0; 3], first: f64::NEG_INFINITY, second: f64::INFINITY };
+            return Some([(); 2].map(|()| Facing { along: [0.0; 3], plane: f64::NEG_INFINITY }));
         }
-        let along = scaled(along, 1.0 / length);
-        let places = |body: &PosedBlock<'_>, of: &Outline| -> [f64; 2] {
-            let all = of.body.corners().iter().map(|corner| dot(along, body.pose.place(*corner)));
-            all.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [low.min(x), high.max(x)])
-        };
-        let ([_, end], [begin, _]) = (places(first, a), places(second, b));
         // a hair for rounding
-        let room = radii + 1e-9 * length;
-        Facing { along, first: begin - room, second: end + room }
+        let radii = radii + 1e-9 * length;
+        let mut along = scaled(between, 1.0 / length);
+        if a.body.core(along).is_some() && b.body.core(along).is_some() {
+            let cores = [a, b].map(|of| |n: [f64; 3]| of.body.core(n).unwrap_or_default());
+            let on_first = |n| first.pose.outwards(cores[0](first.pose.inwards(n)));
+            let on_second = |n| plus(between, second.pose.outwards(cores[1](second.pose.inwards(n))));
+            along = apart(on_first, on_second, along, [radii, ABOUT])?.normal;
+        }
+        let [of_first, of_second] = [first.pose.inwards(along), second.pose.inwards(along.map(|x| -x))];
+        let end = |of: &Outline, along: [f64; 3]| {
+            of.body.corners().iter().map(|corner| dot(along, *corner)).fold(f64::NEG_INFINITY, f64::max)
+        };
+        let room = dot(between, along) - radii;
+        let [first_end, second_end] = [end(a, of_first), end(b, of_second)];
+        (first_end + second_end >= room)
+            .then_some([Facing { along: of_first, plane: room - second_end }, Facing { along: of_second, plane: room - first_end }])
     }
 
-    /// Whether any of these places of the first body, or of the second, can be near the other.
-    fn takes(&self, of_first: bool, places: &[[f64; 3]]) -> bool {
-        places.iter().map(|p| dot(self.along, *p)).any(|x| if of_first { x >= self.first } else { x <= self.second })
+    /// Whether any of these places in the frame of the body can be near the other.
+    fn takes(&self, places: &[[f64; 3]]) -> bool {
+        places.iter().any(|p| dot(self.along, *p) >= self.plane)
+    }
+}
+
+/// The sphere around an edge.
+struct Ball {
+    middle: [f64; 3],
+    radius: f64,
+}
+
+impl Ball {
+    fn around([p, q]: [[f64; 3]; 2]) -> Ball {
+        let along = less(q, p);
+        // a hair for rounding
+        Ball { middle: scaled(plus(p, q), 0.5), radius: 0.5 * dot(along, along).sqrt() * (1.0 + 1e-9) }
+    }
+
+    /// Whether it is nearer to another one than `gap`, m.
+    fn is_near(&self, other: &Ball, gap: f64) -> bool {
+        let (away, far) = (less(other.middle, self.middle), self.radius + other.radius + gap);
+        dot(away, away) < far * far
     }
 }
 
@@ -305,17 +357,17 @@ pub(super) fn sites(first: &PosedBlock<'_>, second: &PosedBlock<'_>, skin: f64) 
         }
     };
     let radii = a.body.widest() + b.body.widest() + skin;
-    let facing = Facing::of(first, second, [a, b], radii);
+    let Some(facing) = Facing::of(first, second, [a, b], radii) else { return Vec::new() };
     let [of_first, of_second] = [sharp(first, a, second, b), sharp(second, b, first, a)];
     let corners =
         |list: &[u32], body: &PosedBlock<'_>, of: &Outline, other: &PosedBlock<'_>, on: &Outline, site: &dyn Fn(u32) -> Site| {
             let at = |k: u32| {
                 let radius = of.body.corner_radius(k as usize);
                 let (far, gap) = (radius + on.body.reach() + skin, radius + skin);
-                let corner = body.pose.place(of.body.corners()[k as usize]);
-                let of_first = std::ptr::eq(of, a);
-                let can = facing.takes(of_first, &[corner]) && near(corner, other, far);
-                let facets = if can { on.body.facets_near(other.pose.within(corner), gap) } else { Vec::new() };
+                let (corner, of_first) = (of.body.corners()[k as usize], std::ptr::eq(of, a));
+                let place = || Some(body.pose.place(corner)).filter(|corner| near(*corner, other, far));
+                let placed = facing[usize::from(!of_first)].takes(&[corner]).then(place).flatten();
+                let facets = placed.map_or(Vec::new(), |corner| on.body.facets_near(other.pose.within(corner), gap));
                 // the middle of a disc on the other surface is all there is to know of it, and of two discs the first is asked
                 let disc = of_first && of.body.corner_is_disc(k as usize);
                 let known = move |facet: &u32| disc || !on.body.facet_is_disc(*facet);
@@ -327,14 +379,16 @@ pub(super) fn sites(first: &PosedBlock<'_>, second: &PosedBlock<'_>, skin: f64) 
     found.extend(corners(&of_second[0], second, b, first, a, &Site::CornerOfSecond));
     let edges = |list: &[u32], body: &PosedBlock<'_>, of: &Outline, other: &PosedBlock<'_>, on: &Outline| {
         let far = of.body.widest() + on.body.reach() + skin;
-        let placed = list.iter().map(|k| (*k, of.edges[*k as usize].map(|x| body.pose.place(x))));
-        let can = |ends: &[[f64; 3]; 2]| facing.takes(std::ptr::eq(of, a), ends) && from_edge(other.pose.centre, *ends) < far;
-        placed.filter(|(_, ends)| can(ends)).collect::<Vec<_>>()
+        let facing = &facing[usize::from(!std::ptr::eq(of, a))];
+        let placed = list.iter().map(|k| (*k, of.edges[*k as usize])).filter(|(_, ends)| facing.takes(ends));
+        let placed = placed.map(|(k, ends)| (k, ends.map(|x| body.pose.place(x))));
+        let close = placed.filter(|(_, ends)| from_edge(other.pose.centre, *ends) < far);
+        close.map(|(k, ends)| (k, ends, Ball::around(ends))).collect::<Vec<_>>()
     };
     let second_edges = edges(&of_second[1], second, b, first, a);
-    for (i, p) in edges(&of_first[1], first, a, second, b) {
-        for (j, q) in &second_edges {
-            if between(p, *q) < radii {
+    for (i, p, around) in edges(&of_first[1], first, a, second, b) {
+        for (j, q, other) in &second_edges {
+            if around.is_near(other, radii) && between(p, *q) < radii {
                 found.push((Site::Edges([i, *j]), 0));
             }
         }

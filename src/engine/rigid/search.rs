@@ -29,22 +29,32 @@ impl Blocks {
 
     /// Pairs of bodies whose spheres of reach are nearer than `skin`, m, and that no joint holds; the lower index first. Bodies are sorted by where they begin along x.
     pub(super) fn near(&self, skin: f64) -> Vec<[usize; 2]> {
-        let ends = |k: usize| [-1.0, 1.0].map(|side| self.blocks[k].centre[0] + side * self.blocks[k].solid().reach());
-        let mut order: Vec<usize> = (0..self.blocks.len()).collect();
-        order.sort_by(|&i, &j| ends(i)[0].total_cmp(&ends(j)[0]));
+        struct Ball {
+            begin: f64,
+            centre: [f64; 3],
+            reach: f64,
+            block: usize,
+            driven: bool,
+        }
+        let ball = |(block, b): (usize, &super::Block)| {
+            let reach = b.solid().reach();
+            Ball { begin: b.centre[0] - reach, centre: b.centre, reach, block, driven: b.driven }
+        };
+        let mut balls: Vec<Ball> = self.blocks.iter().enumerate().map(ball).collect();
+        balls.sort_by(|a, b| a.begin.total_cmp(&b.begin));
         let joined = self.drives.as_ref().map_or(Vec::new(), |drives| drives.joined());
         let mut pairs = Vec::new();
-        for (n, &i) in order.iter().enumerate() {
-            let end = ends(i)[1] + skin;
-            for &j in order[n + 1..].iter().take_while(|&&j| ends(j)[0] < end) {
-                let [a, b] = [&self.blocks[i], &self.blocks[j]];
-                let away = less(a.centre, b.centre);
-                if !joined.is_empty() && joined.binary_search(&[i.min(j) as u32, i.max(j) as u32]).is_ok() {
+        for (n, a) in balls.iter().enumerate() {
+            let end = a.centre[0] + a.reach + skin;
+            for b in balls[n + 1..].iter().take_while(|b| b.begin < end) {
+                let (away, far) = (less(a.centre, b.centre), a.reach + b.reach + skin);
+                // what driven bodies press on each other moves neither
+                if dot(away, away) >= far * far || a.driven && b.driven {
                     continue;
                 }
-                // what driven bodies press on each other moves neither
-                if !(a.driven && b.driven) && dot(away, away).sqrt() < a.solid().reach() + b.solid().reach() + skin {
-                    pairs.push([i.min(j), i.max(j)]);
+                let pair = [a.block.min(b.block), a.block.max(b.block)];
+                if joined.is_empty() || joined.binary_search(&pair.map(|k| k as u32)).is_err() {
+                    pairs.push(pair);
                 }
             }
         }
@@ -64,7 +74,9 @@ impl Blocks {
             }
             Other::Wall { .. } => f64::INFINITY,
         };
-        let Some(c) = self.candidates.iter().find(|c| c.reference.is_finite() && c.touch.overlap + c.reference > most(c)) else {
+        let Some(c) =
+            self.sleepers.awake(&self.candidates).find(|c| c.reference.is_finite() && c.touch.overlap + c.reference > most(c))
+        else {
             return Ok(());
         };
         let (by, cure) =
@@ -154,12 +166,16 @@ impl Blocks {
         // reactions may be added again before forces are computed: all but the other side's place and size stays
         remember(known, &mut found, key, |old, new| *new = BlockContact { place: new.place, radius: new.radius, ..*old });
         self.candidates = found;
+        self.sleepers.forget();
         Ok(())
     }
 
     /// Brings the indices of grains and points up to date, whose arrays may have been sorted.
     pub(super) fn locate(&mut self, grains: &Grains, continuum: &Continuum) {
         let (points, place) = (continuum.points(), |c: &BlockContact| c.place as usize);
+        if grains.is_empty() && points.is_empty() && self.age.may_stand([0; 2]) {
+            return;
+        }
         let [of_grains, of_points] = &mut self.index;
         let grain_at = |c: &BlockContact| matches!(c.other, Other::Grain(id) if grains.id.get(place(c)) != Some(&id));
         if self.candidates.iter().any(grain_at) {

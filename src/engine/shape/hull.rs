@@ -114,6 +114,11 @@ impl Hull {
         self.faces.iter().any(|face| dot(face.normal, at) - face.offset > far)
     }
 
+    /// Largest distance of a position from the plane of a face, less the rounding, m: it is at least so far from the rounded surface.
+    pub fn before(&self, at: [f64; 3]) -> f64 {
+        self.faces.iter().map(|face| dot(face.normal, at) - face.offset).fold(f64::NEG_INFINITY, f64::max) - self.rounding
+    }
+
     /// The nearest point on the triangles in front of which the position lies. Parry's projection on a triangle uses + − × ÷ only.
     pub fn nearest(&self, at: [f64; 3]) -> Nearest {
         let (point, mut least) = (Vector::from(at), f64::INFINITY);

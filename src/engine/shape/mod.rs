@@ -17,6 +17,7 @@ mod ring;
 mod sheet;
 mod sieve;
 mod smooth;
+mod steiner;
 mod superquadric;
 mod tangent;
 
@@ -215,6 +216,15 @@ impl Rounded {
             Rounded::Smooth(_) => return None,
         };
         Some(Meet { nearest, borders: Vec::new() })
+    }
+
+    /// A bound below on the distance of a position from a convex surface with corners, m; `None` of others.
+    pub fn before(&self, at: [f64; 3]) -> Option<f64> {
+        match self {
+            Rounded::Hull(hull) => Some(hull.before(at)),
+            Rounded::Ring(ring) => Some(ring.nearest(at).distance),
+            Rounded::Sheet(..) | Rounded::Union(_) | Rounded::Smooth(_) => None,
+        }
     }
 
     /// Numbers of the facets that are nearer to a position than `within`, m.

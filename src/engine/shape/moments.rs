@@ -55,14 +55,30 @@ impl Moments {
 
     /// Those of the tetrahedron from the origin to a triangle, negative where that looks inwards.
     pub fn of_tetrahedron([a, b, c]: [[f64; 3]; 3]) -> Moments {
-        let volume = dot(a, cross(b, c)) / 6.0;
-        let sum = plus(a, plus(b, c));
-        let squares = [sum, a, b, c].map(square);
+        Moments::of_simplex(dot(a, cross(b, c)) / 6.0, &[[0.0; 3], a, b, c])
+    }
+
+    /// Those of a point, a line, a triangle or a tetrahedron with these corners and the measure (1, length, area, volume) `measure`.
+    pub fn of_simplex(measure: f64, corners: &[[f64; 3]]) -> Moments {
+        let n = corners.len() as f64;
+        let sum = corners.iter().fold([0.0; 3], |sum, corner| plus(sum, *corner));
+        let squares = || std::iter::once(sum).chain(corners.iter().copied()).map(square);
         let second = std::array::from_fn(|i| {
-            let rows = squares.iter().fold([0.0; 3], |total, of| plus(total, of[i]));
-            scaled(rows, 0.05 * volume)
+            let rows = squares().fold([0.0; 3], |total, of| plus(total, of[i]));
+            scaled(rows, 1.0 / (n * (n + 1.0)) * measure)
         });
-        Moments { volume, first: scaled(sum, 0.25 * volume), second }
+        Moments { volume: measure, first: scaled(sum, 1.0 / n * measure), second }
+    }
+
+    /// Those of all sums of a point of this part and a point of another one, where the two are perpendicular to each other.
+    pub fn swept_over(&self, other: &Moments) -> Moments {
+        let (m, n) = (self, other);
+        let second = std::array::from_fn(|i| {
+            std::array::from_fn(|j| {
+                m.second[i][j] * n.volume + m.first[i] * n.first[j] + n.first[i] * m.first[j] + m.volume * n.second[i][j]
+            })
+        });
+        Moments { volume: m.volume * n.volume, first: plus(scaled(m.first, n.volume), scaled(n.first, m.volume)), second }
     }
 
     /// Those of the triangle from the origin to a side in the plane, negative where that goes round clockwise.

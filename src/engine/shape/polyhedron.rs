@@ -1,7 +1,7 @@
 //! Rounded convex polyhedra: the convex hull of given points, enlarged by a sphere (Minkowski sum, as in Jiang et al. 2020).
 
 use super::hull::Hull;
-use super::{Bulk, Mesh, Nearest, Solid};
+use super::{Bulk, Mesh, Nearest, Solid, steiner};
 use crate::math::eigen::principal;
 use crate::math::vector::{cross, dot, less, plus, scaled};
 use parry3d_f64::math::Vector;
@@ -28,8 +28,6 @@ pub struct Placed {
     pub axes: [[f64; 3]; 3],
 }
 
-/// Number of times that arcs are halved for volume and inertia; once more gives an estimate of the error, which is removed.
-const FINE: u32 = 3;
 /// Number of times that arcs are halved for pictures.
 pub(super) const SHOWN: u32 = 1;
 
@@ -42,7 +40,7 @@ impl Polyhedron {
         let vectors: Vec<Vector> = points.iter().map(|&p| Vector::from(p)).collect();
         let (corners, triangles) = try_convex_hull(&vectors).map_err(|e| format!("have no convex hull with a volume: {e}"))?;
         let hull = Hull::of(corners.into_iter().map(Into::into).collect(), &triangles, rounding);
-        let (volume, centre, inertia) = inertia(&hull);
+        let (volume, centre, inertia) = steiner::inertia(&hull);
         let size = hull.reach * hull.reach * hull.reach;
         if volume.is_nan() || volume <= 1e-9 * size {
             return Err("have no convex hull with a volume".into());
@@ -59,20 +57,6 @@ impl Polyhedron {
     pub fn rounded_hull(&self) -> &Hull {
         &self.hull
     }
-}
-
-/// Volume, m³, centre, m, and tensor of inertia about it for a density of 1, `[xx, yy, zz, xy, yz, zx]`, m⁵. Flat parts are exact. Round parts are approximated by triangles, with an
-/// error in proportion to the square of their size, which is removed by extrapolation from two sizes.
-fn inertia(hull: &Hull) -> (f64, [f64; 3], [f64; 6]) {
-    let of = |fine: u32| triangles(hull, fine).inertia();
-    let coarse = of(FINE);
-    if hull.rounding == 0.0 {
-        return coarse;
-    }
-    let fine = of(FINE + 1);
-    let beyond = |fine: f64, coarse: f64| fine + (fine - coarse) / 3.0;
-    let centre = std::array::from_fn(|a| beyond(fine.1[a], coarse.1[a]));
-    (beyond(fine.0, coarse.0), centre, std::array::from_fn(|k| beyond(fine.2[k], coarse.2[k])))
 }
 
 /// The rounded surface as triangles; arcs are halved `fine` times.

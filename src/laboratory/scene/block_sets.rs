@@ -1,6 +1,7 @@
 //! Random rigid bodies that fill a box: their shapes and places from the keys of `[[block_set]]`.
 
 use super::bodies::{number, vector};
+use super::layers::PackedFrom;
 use super::material::Named;
 use super::view::View;
 use crate::packing::blocks::pack;
@@ -66,10 +67,14 @@ impl View<'_> {
         }
         let shapes = Shapes { flat, diameter, form, rounding: number(table, "rounding")? };
         let count = table.get("count").and_then(Value::as_integer)?;
+        let (seed, density) = (self.whole("seed.packing")?, materials[usize::from(material)].density);
+        let from = PackedFrom { table: table.clone(), random: (i, seed), material: (material, density), flat };
+        if let Some(blocks) = self.packed(&from) {
+            return Some(blocks);
+        }
         // sets are independent of each other
-        let mut rng = ChaCha8Rng::seed_from_u64(self.whole("seed.packing")?);
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
         rng.set_stream(i as u64);
-        let density = materials[usize::from(material)].density;
         let mut blocks = Vec::new();
         for _ in 0..count {
             match shapes.draw(&mut rng) {
@@ -92,7 +97,10 @@ impl View<'_> {
             return None;
         }
         match pack(blocks, [low, high], flat, &mut rng) {
-            Ok(blocks) => Some(blocks),
+            Ok(blocks) => {
+                self.keep_packed(from, &blocks);
+                Some(blocks)
+            }
             Err(left) => {
                 let left = format!(", and overlap by up to {:.4} mm", 1e3 * left);
                 self.refuse(&at("count"), full(left));

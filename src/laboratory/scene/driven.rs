@@ -15,6 +15,8 @@ use toml::{Table, Value};
 const PATH: [&str; 5] = ["path_csv", "path_s", "path_mm", "path_deg", "path_axis"];
 /// Keys of a block by which it is pushed.
 const PUSH: [&str; 3] = ["force_N", "torque_N_m", "stress_kPa"];
+/// Keys of a block by which what pushes it follows the time.
+const SHARES: [&str; 3] = ["ramp_s", "push_s", "push_share"];
 /// Largest distance of the first place of a path from the body's own, m.
 const SAME_PLACE: f64 = 1e-9;
 
@@ -37,12 +39,12 @@ impl View<'_> {
     fn programme(&self, i: usize, table: &Table, block: &mut Block) -> Option<Programme> {
         let key = |name: &str| format!("block[{i}].{name}");
         let given = |names: &[&'static str]| names.iter().copied().find(|name| table.contains_key(*name));
-        let (path, push, held) = (given(&PATH), given(&PUSH), given(&["held"]));
-        let Some(first) = path.or(push).or(held).or(given(&["ramp_s"])) else { return Some(Programme::default()) };
+        let (path, push, held, shares) = (given(&PATH), given(&PUSH), given(&["held"]), given(&SHARES));
+        let Some(first) = path.or(push).or(held).or(shares) else { return Some(Programme::default()) };
         let breaks = self.flag("crushing.enabled");
         let message = "has no meaning with crushing.enabled = true: bodies that break are not driven along paths, pushed or held";
         self.check(!breaks, &key(first), message);
-        if let (Some(_), Some(other)) = (path, push.or(held).or(given(&["ramp_s"]))) {
+        if let (Some(_), Some(other)) = (path, push.or(held).or(shares)) {
             self.refuse(&key(other), "has no meaning for a block on a path, which goes where that says");
             return None;
         }
@@ -58,8 +60,8 @@ impl View<'_> {
             self.refuse(&key(name), "has no meaning with driven = true: such a block keeps its velocity whatever acts on it");
             return None;
         }
-        if push.is_none() {
-            self.check(!table.contains_key("ramp_s"), &key("ramp_s"), "has no meaning without force_N, torque_N_m or stress_kPa");
+        if let (None, Some(name)) = (push, shares) {
+            self.refuse(&key(name), "has no meaning without force_N, torque_N_m or stress_kPa");
         }
         let word = |word: &str| {
             self.get(&key("held")).and_then(Value::as_array).is_some_and(|list| list.iter().any(|w| w.as_str() == Some(word)))
@@ -97,7 +99,38 @@ impl View<'_> {
                 *f += s * area;
             }
         }
-        Some(Push { force, torque, ramp: number(table, "ramp_s").unwrap_or(0.0) })
+        let (times, shares) = self.shares(i, table)?;
+        Some(Push { force, torque, times, shares })
+    }
+
+    /// Times, s, of the table that what pushes block `i` follows, and its share at each.
+    fn shares(&self, i: usize, table: &Table) -> Option<(Vec<f64>, Vec<f64>)> {
+        let key = |name: &str| format!("block[{i}].{name}");
+        let ramp = number(table, "ramp_s").filter(|ramp| *ramp > 0.0);
+        let named = SHARES[1..].iter().find(|name| table.contains_key(**name));
+        let Some(named) = named else {
+            return Some(ramp.map_or((vec![], vec![]), |ramp| (vec![0.0, ramp], vec![0.0, 1.0])));
+        };
+        if table.contains_key("ramp_s") {
+            self.refuse(&key(named), "must not stand beside ramp_s, which is the table from 0 to 1");
+            return None;
+        }
+        let (times, shares) = (self.numbers(&key("push_s")), self.numbers(&key("push_share")));
+        if times.is_empty() || times.len() != shares.len() {
+            let message = format!("must be times and as many shares: push_s has {}, push_share has {}", times.len(), shares.len());
+            self.refuse(&key(named), message);
+            return None;
+        }
+        self.rises(&key("push_s"), &times).then_some((times, shares))
+    }
+
+    /// Whether times rise from row to row; else it is refused.
+    fn rises(&self, key: &str, times: &[f64]) -> bool {
+        let falls = times.windows(2).position(|w| w[1] <= w[0]);
+        if let Some(k) = falls {
+            self.refuse(key, format!("must rise from row to row: row {} is not later than the row before", k + 1));
+        }
+        falls.is_none()
     }
 
     fn path(&self, i: usize, table: &Table, block: &Block) -> Option<Path> {
@@ -107,9 +140,7 @@ impl View<'_> {
             self.refuse(&key("path_s"), "is missing: a path needs the times of its rows (or path_csv)");
             return None;
         }
-        if let Some(k) = times.windows(2).position(|w| w[1] <= w[0]) {
-            let message = format!("must rise from row to row: row {} is not later than the row before", k + 1);
-            self.refuse(&key("path_s"), message);
+        if !self.rises(&key("path_s"), &times) {
             return None;
         }
         let numbers = self.numbers(&key("path_mm"));

@@ -400,6 +400,18 @@ const OWN: &[Key] = &[
         "time in which force_N, torque_N_m and stress_kPa grow linearly from zero; 0 if not written",
     ),
     mixture(
+        "block.push_s",
+        Numbers(NOT_NEGATIVE, None),
+        Absent,
+        "times of a table that force_N, torque_N_m and stress_kPa follow, each later than the one before; for loading and unloading, or cycles",
+    ),
+    mixture(
+        "block.push_share",
+        Numbers(ANY, None),
+        Absent,
+        "share of force_N, torque_N_m and stress_kPa that acts at each time of push_s, with straight lines between; before the first and after the last it stays",
+    ),
+    mixture(
         "block.held",
         Words(&["x", "y", "z", "rotation"]),
         Absent,

@@ -3,8 +3,10 @@
 
 use super::keys::RIVALS;
 use super::sources::{merge_sources, outdate};
+use engine::rigid::Block;
 use std::collections::BTreeMap;
 use std::ops::Bound;
+use std::sync::{Arc, Mutex};
 use toml::{Table, Value};
 
 /// Where a value was written.
@@ -23,6 +25,24 @@ pub struct Layer {
     pub table: Table,
     /// The origins by the dotted keys of `table`; the key `""` is that of the whole table.
     origins: BTreeMap<String, Origin>,
+    /// What has been packed from it; copies of the layer share it.
+    pub packed: Packed,
+}
+
+/// Sets of bodies that have been packed, each with what it was made from: a command asks for the bodies of a scene several times.
+pub type Packed = Arc<Mutex<Vec<(PackedFrom, Vec<Block>)>>>;
+
+/// What the bodies of a set are made from.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PackedFrom {
+    /// Its keys.
+    pub table: Table,
+    /// Number of the set, and seed.
+    pub random: (usize, u64),
+    /// Index of its material, and density, kg/m³.
+    pub material: (u8, f64),
+    /// Whether in plane strain.
+    pub flat: bool,
 }
 
 impl Layer {
@@ -36,7 +56,7 @@ impl Layer {
         };
         note("");
         each_key(&table, "", &mut note);
-        Layer { table, origins }
+        Layer { table, origins, packed: Packed::default() }
     }
 
     /// Where the value at `key` was written. Where no origin of the key is known, as for a missing value, the origin is that of the

@@ -1,7 +1,7 @@
 //! Reads the values of a validated scene, in SI units, and collects errors: values that are missing, or that contradict others.
 
 use super::accuracy::Level;
-use super::layers::{Layer, shown};
+use super::layers::{Layer, PackedFrom, shown};
 use super::schema::unit;
 use super::validate::TOLD;
 use crate::error::Error;
@@ -10,8 +10,10 @@ use engine::contact::{ContactLaw, ContactModel, TangentialUnloading};
 use engine::dem::physics::Physics;
 use engine::dem::physics::Stepping;
 use engine::material::Material;
+use engine::rigid::Block;
 use engine::shape::PlacedCompound;
 use std::cell::{Cell, RefCell};
+use std::sync::PoisonError;
 use toml::{Table, Value};
 
 /// A validated scene whose values are read one by one. Missing and contradictory values are collected as errors; reading goes on,
@@ -37,6 +39,17 @@ impl<'a> View<'a> {
     /// A view that makes the outline of a model ([`super::outline`]).
     pub fn outlining(layer: &'a Layer) -> Self {
         View { outlined: true, ..View::of(layer) }
+    }
+
+    /// The bodies of a set, if they have been packed before.
+    pub fn packed(&self, from: &PackedFrom) -> Option<Vec<Block>> {
+        let packed = self.layer.packed.lock().unwrap_or_else(PoisonError::into_inner);
+        packed.iter().find(|(of, _)| of == from).map(|(_, blocks)| blocks.clone())
+    }
+
+    /// Keeps the bodies of a set for the next time.
+    pub fn keep_packed(&self, from: PackedFrom, blocks: &[Block]) {
+        self.layer.packed.lock().unwrap_or_else(PoisonError::into_inner).push((from, blocks.to_vec()));
     }
 
     /// The errors collected so far, in the order in which they were found.

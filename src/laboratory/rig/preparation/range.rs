@@ -99,7 +99,7 @@ fn end(model: &Model, rig: &Specimen, wish: Wish) -> Result<f64, Error> {
     let mut work = Workspace::new(&model.physics, &mut state);
     while !path.advance(model, rig, &mut state, &mut work)? {
         if stop_asked() {
-            return Err(Error::Failed { step: path.steps, what: "stopped while the range of void ratios was measured".into() });
+            return Err(Error::Cut { doing: "the range of void ratios was measured" });
         }
     }
     Ok(porosity(&state))
@@ -125,4 +125,23 @@ fn depends_on(model: &Model, rig: &Specimen) -> String {
         model.physics.stepping,
         model.physics.gravity,
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::host::{Host, within};
+    use std::sync::Arc;
+
+    /// Nothing is kept of a range that is measured in part, and no error of the run's is told: it was stopped.
+    #[test]
+    fn a_measurement_can_be_stopped() {
+        let root = concat!(env!("CARGO_MANIFEST_DIR"), "/../../experiments/petroleum_coke/h-c-2.toml");
+        let model = crate::scene::model(&crate::scene::load(root, &[]).expect("a scene")).expect("a model");
+        let host = Arc::new(Host::default());
+        host.ask_to_stop();
+        let found = within(Some(host), || measure(&model, model.rig.specimen().expect("a specimen")));
+        let told = found.expect_err("stopped");
+        assert!(matches!(told, Error::Cut { .. }) && told.exit_code() == 130, "{told}");
+    }
 }

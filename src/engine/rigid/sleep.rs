@@ -1,0 +1,182 @@
+//! Which candidates sleep: two bodies with a gap between the places that may touch need no look before they have moved by as much. Skipped candidates change no bit of a result.
+
+use super::contact::PosedBlock;
+use super::{BlockContact, Other, Pose};
+use crate::math::vector::{dot, less};
+
+/// Share of the reach of a body by which gaps are taken to be smaller, for rounding.
+const HAIR: f64 = 1e-9;
+
+/// When a candidate has to be looked at.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Sleeper {
+    bodies: [u32; 2],
+    of_point: bool,
+    /// Sum of the ways of the two bodies up to which they do not touch there, m; 0: look always.
+    wake: f64,
+    /// Whether it touched when it was last looked at.
+    touches: bool,
+}
+
+impl Sleeper {
+    fn of(c: &BlockContact) -> Sleeper {
+        Sleeper {
+            bodies: [c.block, c.other.partner_body().unwrap_or(c.block)],
+            of_point: c.is_of_point(),
+            wake: 0.0,
+            touches: c.touch.overlap > 0.0,
+        }
+    }
+
+    /// Keeps what was found: whether they touch, and else the gap, m, if it is known; 0 if not.
+    pub fn note(&mut self, touches: bool, gap: f64, ways: &[f64]) {
+        let now: f64 = self.bodies.iter().map(|&k| ways[k as usize]).sum();
+        self.touches = touches;
+        self.wake = if gap > 0.0 { now + gap } else { 0.0 };
+    }
+}
+
+/// When each candidate has to be looked at. It is not saved: a run that is continued looks at all of them first.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Sleepers {
+    /// One for each candidate, in their order; another number of them: none holds.
+    of: Vec<Sleeper>,
+    /// Pose of each body when forces were last computed.
+    poses: Vec<Pose>,
+    /// Way of each body since, summed over all looks: no place of it has moved further, m.
+    ways: Vec<f64>,
+}
+
+impl Sleepers {
+    /// Memory for each candidate, bytes.
+    pub const BYTES: usize = size_of::<Sleeper>();
+
+    /// Forgets all.
+    pub fn forget(&mut self) {
+        self.of.clear();
+    }
+
+    /// Brings the sleepers up to date with the bodies; new ones where the candidates are new.
+    pub fn follow(&mut self, bodies: &[PosedBlock<'_>], candidates: &[BlockContact]) {
+        if self.of.len() != candidates.len() || self.ways.len() != bodies.len() {
+            self.of = candidates.iter().map(Sleeper::of).collect();
+            self.poses = bodies.iter().map(|body| body.pose).collect();
+            self.ways = vec![0.0; bodies.len()];
+            return;
+        }
+        for ((body, pose), way) in bodies.iter().zip(&mut self.poses).zip(&mut self.ways) {
+            if *pose != body.pose {
+                *way += furthest(pose, &body.pose, body.block.solid().reach());
+                *pose = body.pose;
+            }
+        }
+    }
+
+    /// The sleepers, with the ways of the bodies and whether a candidate is to be looked at now, with points or with all others.
+    pub fn open(&mut self, points: bool) -> (&mut [Sleeper], &[f64], impl Fn(&Sleeper) -> bool + Sync) {
+        let Sleepers { of, ways, .. } = self;
+        let ways = &ways[..];
+        let due = move |sleeper: &Sleeper| {
+            let [i, j] = sleeper.bodies.map(|k| ways[k as usize]);
+            sleeper.of_point == points && i + j >= sleeper.wake
+        };
+        (of, ways, due)
+    }
+
+    /// The candidates that touch, in their order.
+    pub fn touching<'a>(&'a self, candidates: &'a [BlockContact]) -> impl Iterator<Item = &'a BlockContact> + Clone {
+        let known = self.of.len() == candidates.len();
+        let touches = move |k: &usize| if known { self.of[*k].touches } else { candidates[*k].touch.overlap > 0.0 };
+        (0..candidates.len()).filter(touches).map(|k| &candidates[k])
+    }
+
+    /// The candidates of which something may be known but that they are apart, in their order.
+    pub fn awake<'a>(&'a self, candidates: &'a [BlockContact]) -> impl Iterator<Item = &'a BlockContact> {
+        let known = self.of.len() == candidates.len();
+        (0..candidates.len()).filter(move |k| !known || self.of[*k].wake == 0.0).map(|k| &candidates[k])
+    }
+}
+
+/// Bound on the way of any place of a body of this reach, m, from one pose to another.
+fn furthest(from: &Pose, to: &Pose, reach: f64) -> f64 {
+    let way = less(to.centre, from.centre);
+    let turned: f64 = from.axes.iter().zip(&to.axes).map(|(a, b)| less(*b, *a)).map(|d| dot(d, d)).sum();
+    dot(way, way).sqrt() + reach * turned.sqrt()
+}
+
+/// A bound below on the gap between two bodies at a place that does not touch, m, less what rounding may make of it; 0 where none is known.
+pub(super) fn gap_at(body: &PosedBlock<'_>, bodies: &[PosedBlock<'_>], c: &BlockContact) -> f64 {
+    let Other::Block { block, site } = c.other else { return 0.0 };
+    let other = &bodies[block as usize];
+    let reach = body.block.solid().reach() + other.block.solid().reach();
+    super::pair::gap(body, other, site).map_or(0.0, |gap| (gap - HAIR * reach).max(0.0))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::Block;
+    use super::super::motion::about;
+    use super::super::pair::{Outline, gap, meeting, sites};
+    use super::*;
+    use crate::math::vector::scaled;
+    use crate::shape::{Cuboid, Polyhedron, Shape};
+    use proptest::prelude::*;
+
+    fn unit(v: [f64; 3]) -> [f64; 3] {
+        scaled(v, 1.0 / dot(v, v).sqrt())
+    }
+
+    fn direction() -> impl Strategy<Value = [f64; 3]> {
+        [-1.0..1.0, -1.0..1.0, -1.0..1.0_f64].prop_filter("a direction", |v| dot(*v, *v) > 0.01).prop_map(unit)
+    }
+
+    /// A rock and a box, the second somewhere beside the first.
+    fn bodies(turns: [([f64; 3], f64); 2], away: [f64; 3]) -> [Block; 2] {
+        let corners = [[1.0, 0.1, -0.2], [-0.9, 0.4, 0.1], [0.2, 1.1, 0.3], [0.1, -0.8, 0.4], [0.0, 0.2, 0.9], [0.3, -0.1, -1.0]];
+        let rock = Polyhedron::hull(&corners, 0.1).expect("a hull").polyhedron;
+        let mut both =
+            [Block::new(Shape::Polyhedron(rock), 1.0, 0), Block::new(Shape::Box(Cuboid { half: [0.6, 0.4, 0.8] }), 1.0, 0)];
+        for (block, (axis, angle)) in both.iter_mut().zip(turns) {
+            block.turn = about(axis, angle);
+        }
+        both[1].centre = away;
+        both
+    }
+
+    proptest! {
+        /// No gap is taken to be larger than it is, at any site that is found; and while the bodies move by less than it nothing touches there.
+        #[test]
+        fn nothing_touches_in_its_sleep(
+            (first, second, to) in (direction(), direction(), direction()),
+            (turn, other, length) in (-3.0..3.0_f64, -3.0..3.0_f64, 0.8..2.6_f64),
+            (way, spin, angle, share) in (direction(), direction(), -0.5..0.5_f64, 0.05..1.0_f64),
+        ) {
+            let both = bodies([(first, turn), (second, other)], scaled(to, length));
+            let outlines = both.each_ref().map(|b| Outline::of(&b.shape));
+            let posed = |both: &[Block; 2]| [0, 1].map(|k| PosedBlock::new(&both[k], Some(&outlines[k]), 0.0).pose);
+            let body = |both, k: usize, pose| PosedBlock { pose, ..PosedBlock::new(both, Some(&outlines[k]), 0.0) };
+            let poses = posed(&both);
+            let [a, b] = [body(&both[0], 0, poses[0]), body(&both[1], 1, poses[1])];
+            let mut moved = both.clone();
+            moved[1].shift(scaled(way, 0.3 * share), scaled(spin, angle * share));
+            let reach = both[1].solid().reach();
+            let by = furthest(&poses[1], &posed(&moved)[1], reach);
+            let c = body(&moved[1], 1, posed(&moved)[1]);
+            for (site, facet) in sites(&a, &b, 1.0) {
+                let Some(gap) = gap(&a, &b, site) else { continue };
+                if let Some(found) = meeting(&a, &b, (site, facet), None, 10.0) {
+                    prop_assert!(gap <= 1e-12 - found.overlap.depth, "{site:?}: {gap} {}", found.overlap.depth);
+                }
+                if by < gap - 1e-12 {
+                    let touches = meeting(&a, &c, (site, facet), None, 0.0).is_some_and(|m| m.overlap.depth > 0.0);
+                    prop_assert!(!touches, "{site:?}: {gap} {by}");
+                }
+            }
+            // and the way is that of the furthest of its places, at least
+            for corner in outlines[1].body.corners() {
+                let gone = less(moved[1].pose(0.0).place(*corner), poses[1].place(*corner));
+                prop_assert!(dot(gone, gone).sqrt() <= by * (1.0 + 1e-12));
+            }
+        }
+    }
+}
