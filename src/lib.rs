@@ -90,6 +90,13 @@
 //! Whole runs install a handler for Ctrl-C ([`interrupt`]) and use a thread pool of their own ([`in_pool`](run::in_pool));
 //! stepping does neither. Results do not depend on threads, to the bit.
 
+mod cli;
+
+// the command line names the library as any program does
+extern crate self as comminute;
+
+pub use cli::{call, command};
+
 pub use calibrate;
 pub use campaign;
 pub use campaign::{bench, point_test, reproduce, study, verify};
