@@ -31,11 +31,6 @@ class Results:
         return self.folder
 
     @property
-    def report(self) -> str:
-        """``report.md``."""
-        return (self._papers / "report.md").read_text(encoding="utf-8")
-
-    @property
     def tables(self) -> list[str]:
         """Names of the tables."""
         return sorted(path.name for path in self._papers.glob("*.csv"))
@@ -82,9 +77,19 @@ class Study(Results):
     def _papers(self) -> Path:
         return self.folder / "report"
 
+    @property
+    def report(self) -> str:
+        """The report (``report/README.md``): what was asked, what was found."""
+        return (self._papers / "README.md").read_text(encoding="utf-8")
+
 
 class Calibration(Results):
     """Parameters from measurements."""
+
+    @property
+    def report(self) -> str:
+        """``report.md``: what was found, and how far it can be trusted."""
+        return (self.folder / "report.md").read_text(encoding="utf-8")
 
     @cached_property
     def result(self) -> dict[str, Any]:
