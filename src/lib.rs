@@ -63,6 +63,7 @@
 //! # Ok::<(), comminute::Error>(())
 //! ```
 //!
+//! [`run::Simulation`] does the same for any test of grains, specimen and programme included, and lets the program drive its walls.
 //! Specimens are made by [`rig::preparation`] and tested by [`testing`]; a continuum with or without grains by [`rig::continuum`].
 //! The folder `examples` of the repository has a short program for each.
 //!
@@ -85,10 +86,18 @@
 //! | [`campaign`], [`reproduce`], [`study`] | many runs; a paper's runs beside what was published; what a choice costs |
 //! | [`verify`], [`mod@bench`], [`point_test`] | closed forms, speed, a law at one material point |
 //! | [`figure`], [`table`] | figures from records; tables |
+//! | [`command()`], [`call`] | the command line, as a program and as a call |
 //! | [`host`], [`interrupt`] | how a program that makes runs inside itself stops them and is told their progress; Ctrl-C |
 //!
 //! Whole runs install a handler for Ctrl-C ([`interrupt`]) and use a thread pool of their own ([`in_pool`](run::in_pool));
 //! stepping does neither. Results do not depend on threads, to the bit.
+
+mod cli;
+
+// the command line names the library as any program does
+extern crate self as comminute;
+
+pub use cli::{call, command};
 
 pub use calibrate;
 pub use campaign;

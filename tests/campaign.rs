@@ -346,7 +346,7 @@ fn campaigns_in_one_folder_share_its_runs() {
 #[cfg(unix)]
 #[test]
 fn no_more_runs_at_a_time_than_memory_has_room_for() {
-    use comminute::campaign::{Job, Options, run};
+    use comminute::campaign::{Job, Options, Program, run};
     use std::os::unix::fs::PermissionsExt;
     let dir = folder();
     let Some(free) = comminute::machine::free_memory() else { return };
@@ -362,7 +362,12 @@ fn no_more_runs_at_a_time_than_memory_has_room_for() {
         };
         let jobs: Vec<Job> = (0..4).map(job).collect();
         let _ = fs::remove_file(dir.path().join("times"));
-        let options = Options { parallel: 4, quiet: true, program: Some(program.clone()), ..Options::default() };
+        let options = Options {
+            parallel: 4,
+            quiet: true,
+            program: Some(Program { file: program.clone(), first: Vec::new() }),
+            ..Options::default()
+        };
         run(&jobs, &options).map(|_| text(&dir, "times"))
     };
     assert_eq!(times(0.6).expect("made"), "begins\nends\n".repeat(4));

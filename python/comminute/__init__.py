@@ -9,23 +9,42 @@
 The same as the command ``comminute`` does, byte for byte; see the page on Python in the book.
 """
 
-from . import errors
+import sys
+
+from . import _comminute, errors
+from ._campaign import Calibration, Ensemble, Results, Study, calibrate_curve, calibrate_grains, ensemble, study
 from ._comminute import __version__, key_reference
 from ._figures import Figure, Figures
 from ._run import Run, plot, resume
 from ._scene import Scene
+from ._simulation import Simulation, Wall, Walls
 from .errors import Error, RunWarning
 
+# runs of a campaign are processes: this Python, which must not find a folder `comminute` where it is started instead of the package
+if sys.executable:
+    _comminute.runs_by(sys.executable, ["-P", "-m", "comminute"])
+
 __all__ = [
+    "Calibration",
+    "Ensemble",
     "Error",
     "Figure",
     "Figures",
+    "Results",
     "Run",
     "RunWarning",
     "Scene",
+    "Simulation",
+    "Study",
+    "Wall",
+    "Walls",
     "__version__",
+    "calibrate_curve",
+    "calibrate_grains",
+    "ensemble",
     "errors",
     "key_reference",
     "plot",
     "resume",
+    "study",
 ]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import io
 from fnmatch import fnmatch
 from pathlib import Path
 from typing import Any
@@ -87,3 +88,37 @@ def _column(texts: tuple[str, ...]) -> np.ndarray:
             continue
         return np.array(values, dtype=int if convert is int else float)
     return np.array(texts, dtype=str)
+
+
+def of_rows(rows: list[dict[str, Any]], file: str, kind: str) -> Any:
+    """Rows that a simulation tells, as the table ``file`` of a run of this kind: a pandas frame, or a structured array."""
+    about = described(file, kind)
+    names = list(rows[0]) if rows else list(about)
+    found = _pandas(required=False)
+    table: Any
+    if found is not None:
+        table = found.DataFrame(rows, columns=names)
+    else:
+        columns = [np.array([row[name] for row in rows]) for name in names]
+        array = np.empty(len(rows), dtype=[(name, column.dtype) for name, column in zip(names, columns, strict=True)])
+        for name, column in zip(names, columns, strict=True):
+            array[name] = column
+        table = array.view(Table)
+    table.attrs["units"] = {name: about[name][0] for name in names if name in about}
+    table.attrs["meanings"] = {name: about[name][1] for name in names if name in about}
+    return table
+
+
+def csv_text(columns: Any) -> str:
+    """Columns (a pandas frame, a dict, a structured array) as the text of a CSV file; missing values are empty, numbers whole."""
+    names = list(columns.dtype.names) if isinstance(columns, np.ndarray) else list(columns)
+    cells = [np.asarray(columns[name]).tolist() for name in names]
+    lengths = {len(column) for column in cells}
+    if len(lengths) > 1:
+        raise ValueError("columns of a table must have one length")
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(names)
+    # what is not equal to itself is missing
+    writer.writerows([("" if cell is None or cell != cell else cell) for cell in row] for row in zip(*cells, strict=True))
+    return text.getvalue()

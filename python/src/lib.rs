@@ -3,9 +3,11 @@
 
 #![deny(missing_docs)]
 
+mod command;
 mod error;
 mod records;
 mod scene;
+mod simulation;
 mod value;
 mod watch;
 
@@ -13,9 +15,13 @@ mod watch;
 #[pyo3::pymodule]
 mod _comminute {
     #[pymodule_export]
+    use crate::command::{call, command, runs_by};
+    #[pymodule_export]
     use crate::records::{columns, draw, overlay, resume};
     #[pymodule_export]
     use crate::scene::{Scene, key_reference};
+    #[pymodule_export]
+    use crate::simulation::Simulation;
     #[pymodule_export]
     use crate::value::{literal, toml_text};
 

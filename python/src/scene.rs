@@ -12,7 +12,7 @@ use std::path::PathBuf;
 
 /// A scene as read; it never changes.
 #[pyclass(frozen, module = "comminute._comminute")]
-pub struct Scene(scene::Scene);
+pub struct Scene(pub(crate) scene::Scene);
 
 #[pymethods]
 impl Scene {

@@ -106,11 +106,11 @@ impl Job {
         args
     }
 
-    /// The whole command as a line for a shell; `program` is the name by which the program is
+    /// The whole command as a line for a shell; `program` are the words by which the program is
     /// called.
-    pub fn command_line(&self, program: &str) -> String {
+    pub fn command_line(&self, program: &[String]) -> String {
         let words = self.args().into_iter().map(|word| shell_word(&word.to_string_lossy()));
-        std::iter::once(shell_word(program)).chain(words).collect::<Vec<_>>().join(" ")
+        program.iter().map(|word| shell_word(word)).chain(words).collect::<Vec<_>>().join(" ")
     }
 
     /// File with the messages of a failed run, beside the folder of the run. It is locked by the campaign and the process that work on
@@ -139,10 +139,12 @@ mod tests {
     #[test]
     fn a_command_line_holds_everything_that_changes_the_scene() {
         let job = Job::new("a scene.toml", "out/one").with(&["name=\"it's\"".into(), "loading.rate=0.1".into()]);
-        let text = job.clone().seeded(Vary::Both, 3).command_line("comminute");
+        let text = job.clone().seeded(Vary::Both, 3).command_line(&["comminute".into()]);
         let sets = r#"--set 'name="it'\''s"' --set loading.rate=0.1"#;
         assert_eq!(text, format!("comminute run 'a scene.toml' {sets} --seed 3 --out out/one --continue --quiet"));
-        let text = Job { threads: Some(2), backend: Backend::Gpu, ..job.seeded(Vary::Packing, 4) }.command_line("comminute");
+        let text = Job { threads: Some(2), backend: Backend::Gpu, ..job.seeded(Vary::Packing, 4) }
+            .command_line(&["python".into(), "-m".into()]);
+        assert!(text.starts_with("python -m run 'a scene.toml'"), "{text}");
         assert!(text.contains("--seed-packing 4 --out out/one --threads 2 --backend gpu") && !text.contains("strength"), "{text}");
     }
 

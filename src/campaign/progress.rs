@@ -1,8 +1,9 @@
 //! The line that shows the progress of a campaign.
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use laboratory::host::{self, Host};
 use std::io::IsTerminal;
-use std::sync::Mutex;
+use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
 /// Number of runs in each state.
@@ -19,6 +20,8 @@ struct Counts {
 pub struct Progress {
     /// `None` when quiet.
     bar: Option<ProgressBar>,
+    /// The host of the campaign, which is told as well.
+    host: Option<Arc<Host>>,
     terminal: bool,
     of: usize,
     begun: Instant,
@@ -51,7 +54,7 @@ impl Progress {
             bar.enable_steady_tick(Duration::from_secs(1));
             bar
         });
-        Progress { bar, terminal, of, begun: Instant::now(), counts: Mutex::default() }
+        Progress { bar, host: host::current(), terminal, of, begun: Instant::now(), counts: Mutex::default() }
     }
 
     pub fn update(&self, change: Change) {
@@ -65,6 +68,9 @@ impl Progress {
             Change::WaitsNoMore => c.waiting -= 1,
             Change::Done => c.done += 1,
             Change::Failed => c.failed += 1,
+        }
+        if let Some(host) = &self.host {
+            host.show((c.before + c.done + c.failed) as f64 / self.of.max(1) as f64, self.line(&c));
         }
         let Some(bar) = &self.bar else { return };
         let line = self.line(&c);

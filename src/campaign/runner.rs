@@ -3,8 +3,10 @@
 use super::Job;
 use super::hold;
 use super::memory::at_a_time;
+use super::program::Program;
 use super::progress::{Change, Progress};
 use laboratory::error::{CANNOT_WRITE, Error, Result};
+use laboratory::host;
 use laboratory::interrupt::{listen, stop_asked};
 use laboratory::machine::free_memory;
 use laboratory::run::{Found, look};
@@ -27,7 +29,7 @@ pub struct Options {
     /// Whether runs of other scenes in the folders are overwritten.
     pub force: bool,
     /// Program that runs the jobs; `None`: the program that is running now.
-    pub program: Option<PathBuf>,
+    pub program: Option<Program>,
 }
 
 /// Outcome of a job.
@@ -95,14 +97,17 @@ pub fn run(jobs: &[Job], options: &Options) -> Result<Vec<Outcome>> {
     }
     let program = match &options.program {
         Some(program) => program.clone(),
-        None => std::env::current_exe().map_err(Error::read("this program"))?,
+        None => Program::running()?,
     };
     listen();
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     let parallel = if options.parallel == 0 { cores } else { options.parallel };
     let (parallel, fewer) = at_a_time(&needs, parallel.min(jobs.len()).max(1), free);
-    if let (Some(why), false) = (fewer, options.quiet) {
-        eprintln!("warning: {why}");
+    let host = host::current();
+    if let Some(why) = fewer
+        && (host.is_some() || !options.quiet)
+    {
+        host::warn(&why);
     }
     let crew = Crew {
         program,
@@ -114,14 +119,14 @@ pub fn run(jobs: &[Job], options: &Options) -> Result<Vec<Outcome>> {
     let outcomes = Mutex::new(vec![Outcome::Stopped; jobs.len()]);
     std::thread::scope(|scope| {
         for _ in 0..parallel {
-            scope.spawn(|| {
-                loop {
-                    let i = next.fetch_add(1, Ordering::Relaxed);
-                    let Some(job) = jobs.get(i) else { break };
-                    let outcome = crew.work(job);
-                    outcomes.lock().unwrap_or_else(PoisonError::into_inner)[i] = outcome;
-                }
-            });
+            let work = || loop {
+                let i = next.fetch_add(1, Ordering::Relaxed);
+                let Some(job) = jobs.get(i) else { break };
+                let outcome = crew.work(job);
+                outcomes.lock().unwrap_or_else(PoisonError::into_inner)[i] = outcome;
+            };
+            let host = host.clone();
+            scope.spawn(move || host::within(host, work));
         }
     });
     crew.progress.finish();
@@ -152,7 +157,7 @@ pub fn close(jobs: &[Job], outcomes: &[Outcome]) -> Result<()> {
 
 /// Data that the workers share.
 struct Crew {
-    program: PathBuf,
+    program: Program,
     threads: usize,
     force: bool,
     progress: Progress,
@@ -211,8 +216,8 @@ impl Crew {
     /// Runs the job as a process, and reads what that process leaves in the folder and the log.
     fn child(&self, job: &Job, log: &File) -> Result<Option<Outcome>> {
         let path = job.log();
-        let mut command = Command::new(&self.program);
-        command.args(job.args()).stdin(Stdio::null()).stdout(Stdio::null());
+        let mut command = Command::new(&self.program.file);
+        command.args(&self.program.first).args(job.args()).stdin(Stdio::null()).stdout(Stdio::null());
         command.stderr(log.try_clone().map_err(Error::write(&path))?);
         command.env("COMMINUTE_SIMD", engine::math::real::name(engine::math::real::arch()));
         if job.threads.is_none() {
@@ -221,10 +226,10 @@ impl Crew {
         if self.force {
             command.arg("--force");
         }
-        let mut child = command.spawn().map_err(Error::read(&self.program))?;
+        let mut child = command.spawn().map_err(Error::read(&self.program.file))?;
         // the command has the log open as well
         drop(command);
-        let (status, stopped) = wait(&mut child).map_err(Error::read(&self.program))?;
+        let (status, stopped) = wait(&mut child).map_err(Error::read(&self.program.file))?;
         let said = std::fs::read_to_string(&path).unwrap_or_default();
         let found = job.found()?;
         if status.success() {

@@ -1,7 +1,7 @@
 //! Common parts of `ensemble`, `sweep` and `reproduce`: options, running or listing of jobs, and
 //! the closing lines.
 
-use comminute::campaign::{self, Hold, Job, Outcome, Vary};
+use comminute::campaign::{self, Hold, Job, Outcome, Program, Vary};
 use comminute::error::{Error, Result};
 use std::path::{Path, PathBuf};
 
@@ -210,7 +210,10 @@ pub fn done(jobs: &[Job], outcomes: &[Outcome]) -> Vec<PathBuf> {
 /// Shell commands of the jobs, one a line. Each scene is checked before it is listed.
 fn list(jobs: &[Job], force: bool) -> Result<String> {
     // the name by which this program was called, so that the commands work in the same folder
-    let program = std::env::args().next().unwrap_or_else(|| "comminute".into());
+    let program = Program::given().map_or_else(
+        || vec![std::env::args().next().unwrap_or_else(|| "comminute".into())],
+        |program| program.words().map(|word| word.to_string_lossy().into_owned()).collect(),
+    );
     let mut lines = Vec::new();
     for job in jobs {
         job.load()?;

@@ -29,6 +29,7 @@ use clap::{Args, Parser, Subcommand};
 use comminute::error::{Error, Result};
 use comminute::run::MOST_THREADS;
 use comminute::scene::{self, Scene};
+use std::ffi::OsString;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -45,8 +46,48 @@ pub struct Cli {
     simd: String,
 }
 
+/// Does what the words of a command line ask for, the name of the program first, as the program `comminute` does: prints results, and an
+/// error with advice to standard error. Gives the exit code.
+pub fn command(words: impl IntoIterator<Item = OsString>) -> u8 {
+    comminute::interrupt::outlive_size_limit();
+    let cli = match Cli::try_parse_from(words) {
+        Ok(cli) => cli,
+        // help and version as well
+        Err(said) => {
+            let _ = said.print();
+            return u8::try_from(said.exit_code()).unwrap_or(1);
+        }
+    };
+    match cli.call() {
+        Ok(()) => 0,
+        Err(error) => {
+            for line in error.to_string().lines() {
+                eprintln!("error: {line}");
+            }
+            if let Some(advice) = advice(&error) {
+                eprintln!("{advice}");
+            }
+            error.exit_code()
+        }
+    }
+}
+
+/// Does what the words behind the name of the program ask for as a part of the calling program, which gets the error.
+///
+/// # Errors
+/// Words that the command does not know; the errors of the verb.
+pub fn call(words: impl IntoIterator<Item = OsString>) -> Result<()> {
+    let all = std::iter::once("comminute".into()).chain(words);
+    let cli = Cli::try_parse_from(all).map_err(|said| {
+        let text = said.to_string();
+        let line = text.lines().next().unwrap_or_default();
+        Error::input("comminute", "", None, line.trim_start_matches("error: "))
+    })?;
+    cli.call()
+}
+
 impl Cli {
-    pub fn call(self) -> Result<()> {
+    fn call(self) -> Result<()> {
         comminute::math::real::choose(&self.simd);
         self.verb.call()
     }

@@ -41,7 +41,8 @@ impl Host {
         std::mem::take(&mut *held(&self.warnings))
     }
 
-    pub(crate) fn show(&self, share: f64, line: String) {
+    /// Tells the host the share that is done, 0 to 1, and a line about the present stage; what was told before and not asked for is forgotten.
+    pub fn show(&self, share: f64, line: String) {
         *held(&self.shown) = Some((share, line));
     }
 
@@ -85,7 +86,7 @@ pub(crate) fn asks_to_stop() -> bool {
 }
 
 /// Warns: the host, else on standard error.
-pub(crate) fn warn(text: &str) {
+pub fn warn(text: &str) {
     match current() {
         Some(host) => host.warn(text.into()),
         None => eprintln!("warning: {text}"),

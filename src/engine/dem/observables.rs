@@ -76,14 +76,7 @@ pub fn sums(physics: &Physics, state: &State, work: &Workspace) -> Sums {
     for &i in &g.by_id() {
         let i = i as usize;
         let (p, v, w) = (g.pos[i], g.vel[i], g.spin[i]);
-        let (mut f, mut t) = gather::force_and_torque(i, physics, state, &work.neighbours);
-        // forces of material points, which act in the coming step
-        if let Some([force, torque]) = work.external_forces.get(i) {
-            f.iter_mut().zip(force).for_each(|(sum, f)| *sum += f);
-            if physics.contact.turning {
-                t.iter_mut().zip(torque).for_each(|(sum, t)| *sum += t);
-            }
-        }
+        let (f, t) = force_and_torque(i, physics, state, work);
         let m = g.inertia(i);
         let rotational = 0.4 * m * p[3] * p[3];
         s.inertia += m;
@@ -135,6 +128,18 @@ pub fn sums(physics: &Physics, state: &State, work: &Workspace) -> Sums {
         s.with_one += usize::from(touching == 1);
     }
     s
+}
+
+/// Force, N, and torque, N m, on grain `i` before damping: those of [`gather::force_and_torque`], and those of material points, which act in the coming step.
+pub fn force_and_torque(i: usize, physics: &Physics, state: &State, work: &Workspace) -> ([f64; 3], [f64; 3]) {
+    let (mut f, mut t) = gather::force_and_torque(i, physics, state, &work.neighbours);
+    if let Some([force, torque]) = work.external_forces.get(i) {
+        f.iter_mut().zip(force).for_each(|(sum, f)| *sum += f);
+        if physics.contact.turning {
+            t.iter_mut().zip(torque).for_each(|(sum, t)| *sum += t);
+        }
+    }
+    (f, t)
 }
 
 /// The smaller radius of the two grains of a contact, m; on a wall that of the grain.

@@ -97,6 +97,22 @@ pub fn mean_stresses(grains: &Grains, contacts: &[Contact]) -> Vec<f64> {
     sums.iter().zip(&grains.pos).map(|(sum, p)| sum / (3.0 * sphere_volume(p[3]))).collect()
 }
 
+/// Love and Weber's mean stress in a volume, m³, from all of its contacts, Pa, compression positive: −Σ f ⊗ l / V with the force f on the first body and the
+/// branch vector l from the centre of the first body to that of the second, on a wall to the point of contact. Rows are the directions of the forces.
+pub fn mean_stress(grains: &Grains, contacts: &[Contact], volume: f64) -> [[f64; 3]; 3] {
+    let mut stress = [[0.0; 3]; 3];
+    for c in contacts {
+        let force = c.touch.force();
+        let at = grains.pos[c.grain];
+        for (row, f) in stress.iter_mut().zip(force) {
+            for (a, sum) in row.iter_mut().enumerate() {
+                *sum -= f * (c.centre[a] - at[a]) / volume;
+            }
+        }
+    }
+    stress
+}
+
 /// Names of the walls: `bottom`, `top`, `cylinder`, `x_low`, … in a test (`specimen`), `wall_0`, `wall_1`, … in a free scene.
 pub fn names(walls: &[Wall], specimen: bool) -> Vec<String> {
     let name = |(k, wall): (usize, &Wall)| {

@@ -8,7 +8,7 @@ pub(crate) mod block_breakages;
 pub(crate) mod blocks;
 pub(crate) mod breakages;
 pub(crate) mod checkpoint;
-pub(crate) mod contacts;
+pub mod contacts;
 pub(crate) mod continuum;
 pub(crate) mod crushed;
 pub(crate) mod cylinder;

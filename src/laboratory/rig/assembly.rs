@@ -44,14 +44,19 @@ pub fn advance(
     work: &mut Workspace,
     observe: impl FnOnce(&State, &Workspace) -> Result<(), Error>,
 ) -> Result<(), Error> {
-    dem::step(&model.physics, state, work, |state, work| {
-        if state.step == 0 {
-            open(model, state, work);
-        }
-        observe(state, work)?;
-        drive(model, state, work);
-        Ok(())
-    })
+    compute_forces(model, state, work);
+    observe(state, work)?;
+    drive(model, state, work, area);
+    dem::integrate(&model.physics, state, work);
+    Ok(())
+}
+
+/// First part of a step: computes the forces of this instant, and opens the energy ledger in the first step.
+pub fn compute_forces(model: &Model, state: &mut State, work: &mut Workspace) {
+    dem::compute_forces(&model.physics, state, work);
+    if state.step == 0 {
+        open(model, state, work);
+    }
 }
 
 /// Opens the energy ledger with the energies at the start.
@@ -79,8 +84,18 @@ fn least_stress(drives: impl Iterator<Item = Drive>) -> f64 {
 /// Steps between two updates of the stress for which inertia is scaled.
 const LOOK: u64 = 32;
 
-/// Sets the speed of every wall for the next step.
-fn drive(model: &Model, state: &mut State, work: &Workspace) {
+/// Area on which the stress of a wall acts, m²: of a plane under servo that of the scene, else 0; of a cylinder its shell over the height
+/// of the grains.
+pub fn area(state: &State, wall: &Wall) -> f64 {
+    match (wall.shape, wall.drive) {
+        (WallShape::Cylinder { radius, .. }, _) => engine::boundary::shell_area(radius, extent_z(state)),
+        (WallShape::Plane { .. }, Drive::Stress { area, .. }) => area,
+        _ => 0.0,
+    }
+}
+
+/// Middle part of a step: sets the speed of every wall as its [`Drive`] says. `area` gives the area on which the stress of a wall acts, m².
+pub fn drive(model: &Model, state: &mut State, work: &Workspace, area: impl Fn(&State, &Wall) -> f64) {
     if model.physics.stepping.inertia_scaling && state.step.is_multiple_of(LOOK) {
         state.reference_stress = contact_pressure(state, work).max(least_stress(state.walls.iter().map(|w| w.drive)));
     }
@@ -90,13 +105,14 @@ fn drive(model: &Model, state: &mut State, work: &Workspace) {
         let speed = match w.drive {
             Drive::Fixed | Drive::Programme => 0.0,
             Drive::Velocity(v) => v,
-            Drive::Stress { stress, area, gain, fastest } => {
-                let area = match w.shape {
-                    WallShape::Plane { .. } => area,
-                    WallShape::Cylinder { radius, .. } => engine::boundary::shell_area(radius, extent_z(state)),
-                };
-                servo_speed(stress * area, w.reaction, w.stiffness, gain, state.dt, fastest.map_or(limit, |v| limit.min(v)))
-            }
+            Drive::Stress { stress, gain, fastest, .. } => servo_speed(
+                stress * area(state, w),
+                w.reaction,
+                w.stiffness,
+                gain,
+                state.dt,
+                fastest.map_or(limit, |v| limit.min(v)),
+            ),
         };
         state.walls[k].speed = speed;
     }

@@ -8,6 +8,7 @@ mod folder;
 mod grain_crushing;
 mod of_scene;
 mod progress_bar;
+mod simulation;
 mod summary;
 mod watch;
 
@@ -34,6 +35,7 @@ pub use of_scene::{SceneOptions, Word, run_scene};
 use progress_bar::Bar;
 pub use progress_bar::human;
 use serde::{Deserialize, Serialize};
+pub use simulation::Simulation;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
@@ -357,17 +359,25 @@ pub const MOST_THREADS: usize = 1024;
 /// # Errors
 /// More than [`MOST_THREADS`] threads, or threads that cannot be started; the errors of `job`.
 pub fn in_pool<T: Send>(threads: Option<usize>, job: impl FnOnce() -> Result<T> + Send) -> Result<T> {
+    let pool = pool(threads)?;
+    listen();
+    pool.install(job)
+}
+
+/// A pool of `threads` threads (`None`: one for each core), all of which belong to the [`host`] of the calling one.
+///
+/// # Errors
+/// More than [`MOST_THREADS`] threads, or threads that cannot be started.
+fn pool(threads: Option<usize>) -> Result<rayon::ThreadPool> {
     if let Some(many) = threads.filter(|n| *n > MOST_THREADS) {
         return Err(Error::input("run", "threads", Some(many.to_string()), format!("must be at most {MOST_THREADS}")));
     }
     let host = host::current();
-    let pool = rayon::ThreadPoolBuilder::new()
+    rayon::ThreadPoolBuilder::new()
         .num_threads(threads.unwrap_or(0))
         .start_handler(move |_| drop(host::enter(host.clone())))
         .build()
-        .map_err(|e| Error::Failed { step: 0, what: format!("cannot start threads: {e}") })?;
-    listen();
-    pool.install(job)
+        .map_err(|e| Error::Failed { step: 0, what: format!("cannot start threads: {e}") })
 }
 
 /// Starts the model's test with a prepared specimen.

@@ -3,6 +3,7 @@
 use super::{Backend, Found, Outcome, ResumeOptions, RunRequest, choose, in_pool, look, occupied, resume, run, settle};
 use crate::error::{Error, Result};
 use crate::machine::free_memory;
+use crate::model::Model;
 use crate::rig::preparation::range::void_ratio;
 use crate::scene::{self, Scene};
 use std::path::{Path, PathBuf};
@@ -75,21 +76,11 @@ pub fn run_scene(scene: &Scene, options: SceneOptions, tell: &mut dyn FnMut(Word
     if !quiet && !scene::is_given_its_specimen(scene) {
         scene::reach(&model).and_then(|reach| scene::doubt(&model, &reach)).into_iter().for_each(|doubt| tell(Word::Note(doubt)));
     }
-    let reach = in_pool(threads, || Ok(scene::sure_reach(scene, &model, true)))?;
-    if let (Some(reach), None) = (reach, scene.specimen()) {
-        scene::within_reach(scene, &model, &reach)?;
-        reach.settle(&mut model);
-        let density = model.rig.specimen().and_then(|rig| rig.relative_density);
-        if let (Some(density), false) = (density, quiet) {
-            let measuring = if reach.measured { "" } else { " (measured now, once for these grains)" };
-            tell(Word::Note(format!("relative density {density}: a share of the range of void ratios{measuring}")));
+    settle_density(scene, &mut model, threads, &mut |word| {
+        if !quiet {
+            tell(word)
         }
-        if let (Some(range), false) = (settle(&mut model, threads)?, quiet) {
-            let n = model.rig.specimen().map_or(f64::NAN, |rig| rig.porosity);
-            let [e, dense, loose] = [n, range.densest, range.loosest].map(void_ratio);
-            tell(Word::Note(format!("void ratio {e:.3}, between {dense:.3} and {loose:.3} (measured)")));
-        }
-    }
+    })?;
     run(RunRequest {
         model,
         scene_resolved: scene::resolved(scene),
@@ -102,6 +93,27 @@ pub fn run_scene(scene: &Scene, options: SceneOptions, tell: &mut dyn FnMut(Word
         stop_after,
         backend,
     })
+}
+
+/// Turns the density that the scene asks for into the porosity of the model's specimen, where it is to be made, and tells from what.
+///
+/// # Errors
+/// A density that these grains cannot have; a range that cannot be measured.
+pub(super) fn settle_density(scene: &Scene, model: &mut Model, threads: Option<usize>, tell: &mut dyn FnMut(Word)) -> Result<()> {
+    let reach = in_pool(threads, || Ok(scene::sure_reach(scene, model, true)))?;
+    let (Some(reach), None) = (reach, scene.specimen()) else { return Ok(()) };
+    scene::within_reach(scene, model, &reach)?;
+    reach.settle(model);
+    if let Some(density) = model.rig.specimen().and_then(|rig| rig.relative_density) {
+        let measuring = if reach.measured { "" } else { " (measured now, once for these grains)" };
+        tell(Word::Note(format!("relative density {density}: a share of the range of void ratios{measuring}")));
+    }
+    if let Some(range) = settle(model, threads)? {
+        let n = model.rig.specimen().map_or(f64::NAN, |rig| rig.porosity);
+        let [e, dense, loose] = [n, range.densest, range.loosest].map(void_ratio);
+        tell(Word::Note(format!("void ratio {e:.3}, between {dense:.3} and {loose:.3} (measured)")));
+    }
+    Ok(())
 }
 
 /// Refuses a folder that holds anything but the message of a run that failed, unless `force`.

@@ -18,7 +18,7 @@ use crate::scene::material::Named;
 use crate::scene::view::View;
 use engine::boundary::CylinderSpace;
 use engine::check::Checked;
-use engine::dem::{State, Workspace};
+use engine::dem::{self, State, Workspace};
 use engine::grains::Grains;
 use engine::mpm::Continuum;
 use serde_json::Value;
@@ -35,7 +35,30 @@ pub trait SpecimenTest: Sized {
     /// A rig that cannot be used with this specimen.
     fn start(model: &Model, rig: &Self::Rig, grains: Grains, size: CylinderSpace) -> Result<(Self, State), Error>;
 
-    /// One step. `observe` is called when the forces of the step are known and before grains move.
+    /// First part of a step: computes the forces of this instant.
+    fn compute_forces(&mut self, model: &Model, state: &mut State, work: &mut Workspace) {
+        dem::compute_forces(&model.physics, state, work);
+    }
+
+    /// Second part of a step: sets target and phase from the forces of this instant.
+    ///
+    /// # Errors
+    /// A specimen that cannot be tested.
+    fn programme(&mut self, model: &Model, rig: &Self::Rig, state: &mut State, work: &Workspace) -> Result<(), Error>;
+
+    /// Third part of a step: sets the speeds of the walls, and counts the step.
+    fn servo(&mut self, rig: &Self::Rig, state: &mut State);
+
+    /// Last part of a step: moves grains and walls, and breaks grains.
+    ///
+    /// # Errors
+    /// A step that cannot be made.
+    fn integrate(&mut self, model: &Model, state: &mut State, work: &mut Workspace) -> Result<(), Error> {
+        dem::integrate(&model.physics, state, work);
+        Ok(())
+    }
+
+    /// One step, all its parts. `observe` is called when the forces of the step are known and before grains move.
     ///
     /// # Errors
     /// A specimen that cannot be tested; the errors of `observe`.
@@ -46,7 +69,16 @@ pub trait SpecimenTest: Sized {
         state: &mut State,
         work: &mut Workspace,
         observe: &mut dyn FnMut(&Self, &State, &Workspace) -> Result<(), Error>,
-    ) -> Result<(), Error>;
+    ) -> Result<(), Error> {
+        self.compute_forces(model, state, work);
+        self.programme(model, rig, state, work)?;
+        observe(self, state, work)?;
+        self.servo(rig, state);
+        self.integrate(model, state, work)
+    }
+
+    /// Whether the specimen still comes to rest before the programme begins.
+    fn settles(&self) -> bool;
 
     /// Checks a test from a checkpoint, with its grains.
     ///

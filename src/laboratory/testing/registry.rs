@@ -58,6 +58,51 @@ macro_rules! specimen_tests {
                 }
             }
 
+            /// [`SpecimenTest::compute_forces`]
+            pub fn compute_forces(&mut self, model: &Model, state: &mut State, work: &mut Workspace) {
+                match self { $(Test::$test(test) => SpecimenTest::compute_forces(test, model, state, work),)* }
+            }
+
+            /// [`SpecimenTest::programme`]
+            ///
+            /// # Errors
+            /// A specimen that cannot be tested.
+            pub fn programme(&mut self, model: &Model, state: &mut State, work: &Workspace) -> Result<(), Error> {
+                match (self, &model.rig) {
+                    $((Test::$test(test), Rig::$test(rig)) => SpecimenTest::programme(test, model, rig, state, work),)*
+                    _ => unreachable!("a test belongs to its rig"),
+                }
+            }
+
+            /// [`SpecimenTest::servo`]
+            pub fn servo(&mut self, rig: &Rig, state: &mut State) {
+                match (self, rig) {
+                    $((Test::$test(test), Rig::$test(rig)) => SpecimenTest::servo(test, rig, state),)*
+                    _ => unreachable!("a test belongs to its rig"),
+                }
+            }
+
+            /// [`SpecimenTest::integrate`]
+            ///
+            /// # Errors
+            /// A step that cannot be made.
+            pub fn integrate(&mut self, model: &Model, state: &mut State, work: &mut Workspace) -> Result<(), Error> {
+                match self { $(Test::$test(test) => SpecimenTest::integrate(test, model, state, work),)* }
+            }
+
+            /// [`SpecimenTest::settles`]
+            pub fn settles(&self) -> bool {
+                match self { $(Test::$test(test) => SpecimenTest::settles(test),)* }
+            }
+
+            /// [`SpecimenTest::moment`]
+            pub fn moment(&self, rig: &Rig, state: &State) -> Moment {
+                match (self, rig) {
+                    $((Test::$test(test), Rig::$test(rig)) => SpecimenTest::moment(test, rig, state),)*
+                    _ => unreachable!("a test belongs to its rig"),
+                }
+            }
+
             /// [`SpecimenTest::check`] against the model's rig.
             ///
             /// # Errors

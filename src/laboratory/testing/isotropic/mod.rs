@@ -17,7 +17,6 @@ use crate::scene::material::Named;
 use crate::scene::view::View;
 use engine::boundary::{CylinderSpace, servo_speed};
 use engine::check::Checked;
-use engine::dem;
 use engine::dem::{State, Workspace};
 use engine::grains::Grains;
 use serde::{Deserialize, Serialize};
@@ -38,25 +37,20 @@ impl SpecimenTest for Isotropic {
         Ok((Isotropic(loading), state))
     }
 
-    fn advance(
-        &mut self,
-        model: &Model,
-        rig: &Compression,
-        state: &mut State,
-        work: &mut Workspace,
-        observe: &mut dyn FnMut(&Isotropic, &State, &Workspace) -> Result<(), Error>,
-    ) -> Result<(), Error> {
-        dem::compute_forces(&model.physics, state, work);
-        self.0.programme(model, rig, state, work)?;
-        observe(self, state, work)?;
+    fn programme(&mut self, model: &Model, rig: &Compression, state: &mut State, work: &Workspace) -> Result<(), Error> {
+        self.0.programme(model, rig, state, work)
+    }
+
+    fn servo(&mut self, rig: &Compression, state: &mut State) {
         self.0.servo(rig, state);
         let (size, loading) = (space(state), &self.0);
         let shell = &mut state.walls[CYLINDER];
         let (force, most) = (loading.target * size.shell_area(), SHELL * loading.limit * size.radius / size.height);
         shell.speed = servo_speed(force, shell.reaction, shell.stiffness, rig.specimen.servo_gain, state.dt, most);
-        dem::integrate(&model.physics, state, work);
-        self.0.phase_steps += 1;
-        Ok(())
+    }
+
+    fn settles(&self) -> bool {
+        self.0.settles()
     }
 
     fn check(&self, model: &Model, rig: &Compression, state: &State) -> Checked {

@@ -119,38 +119,11 @@ impl Loading {
         Ok((loading, state))
     }
 
-    /// One step. `observe` is called when the forces of the step are known and before grains move.
-    ///
-    /// # Errors
-    /// A step of the points that cannot be made; the errors of `observe`.
-    fn step(
-        &mut self,
-        model: &Model,
-        rig: &Compression,
-        state: &mut State,
-        work: &mut Workspace,
-        observe: &mut dyn FnMut(&Loading, &State, &Workspace) -> Result<(), Error>,
-    ) -> Result<(), Error> {
-        dem::compute_forces(&model.physics, state, work);
-        if let Some(fines) = &mut self.fines {
-            fines.compute_forces(&model.physics, state, work);
-        }
-        self.programme(model, rig, state, work)?;
-        observe(self, state, work)?;
-        self.servo(rig, state);
-        match &mut self.fines {
-            None => dem::integrate(&model.physics, state, work),
-            Some(fines) => fines.advance(&model.physics, state, work)?,
-        }
-        self.phase_steps += 1;
-        Ok(())
-    }
-
     /// Sets target and phase of the next step.
     ///
     /// # Errors
     /// [`Error::Stalled`] where the stress has not followed its target for `loading.max_wait_steps` steps.
-    pub(super) fn programme(&mut self, model: &Model, rig: &Compression, state: &mut State, work: &Workspace) -> Result<(), Error> {
+    fn set_target(&mut self, model: &Model, rig: &Compression, state: &mut State, work: &Workspace) -> Result<(), Error> {
         let stages = &rig.loading.stages;
         match self.phase {
             Phase::Settle if self.phase_steps >= rig.specimen.settle_steps => {
@@ -279,7 +252,7 @@ impl Loading {
         if self.limit > 0.0 { state.walls[TOP].speed.abs() / self.limit * rig.loading.max_inertial_number } else { 0.0 }
     }
 
-    pub(super) fn servo(&mut self, rig: &Compression, state: &mut State) {
+    fn set_speed(&mut self, rig: &Compression, state: &mut State) {
         let size = space(state);
         if state.step.is_multiple_of(LOOK) || self.limit == 0.0 {
             let pressure = if self.strained { self.target.max(FALLEN * self.peak) } else { self.target };
@@ -305,15 +278,32 @@ impl SpecimenTest for Loading {
         Loading::begin(model, rig, grains, size)
     }
 
-    fn advance(
-        &mut self,
-        model: &Model,
-        rig: &Compression,
-        state: &mut State,
-        work: &mut Workspace,
-        observe: &mut dyn FnMut(&Loading, &State, &Workspace) -> Result<(), Error>,
-    ) -> Result<(), Error> {
-        self.step(model, rig, state, work, observe)
+    fn compute_forces(&mut self, model: &Model, state: &mut State, work: &mut Workspace) {
+        dem::compute_forces(&model.physics, state, work);
+        if let Some(fines) = &mut self.fines {
+            fines.compute_forces(&model.physics, state, work);
+        }
+    }
+
+    fn programme(&mut self, model: &Model, rig: &Compression, state: &mut State, work: &Workspace) -> Result<(), Error> {
+        self.set_target(model, rig, state, work)
+    }
+
+    fn servo(&mut self, rig: &Compression, state: &mut State) {
+        self.set_speed(rig, state);
+        self.phase_steps += 1;
+    }
+
+    fn integrate(&mut self, model: &Model, state: &mut State, work: &mut Workspace) -> Result<(), Error> {
+        match &mut self.fines {
+            None => dem::integrate(&model.physics, state, work),
+            Some(fines) => fines.advance(&model.physics, state, work)?,
+        }
+        Ok(())
+    }
+
+    fn settles(&self) -> bool {
+        self.phase == Phase::Settle
     }
 
     fn check(&self, model: &Model, rig: &Compression, state: &State) -> Checked {

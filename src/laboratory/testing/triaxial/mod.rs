@@ -14,7 +14,6 @@ use crate::scene::view::View;
 use engine::boundary::CylinderSpace;
 use engine::boundary::servo_speed;
 use engine::check::{self, Checked};
-use engine::dem;
 use engine::dem::observables;
 use engine::dem::{State, Workspace};
 use engine::grains::Grains;
@@ -59,31 +58,13 @@ const UNBALANCED_AT_REST: f64 = 2e-3;
 const SETTLE_AT_MOST: u64 = 100;
 
 impl Shearing {
-    fn step(
-        &mut self,
-        model: &Model,
-        rig: &Triaxial,
-        state: &mut State,
-        work: &mut Workspace,
-        observe: &mut dyn FnMut(&Shearing, &State, &Workspace) -> Result<(), Error>,
-    ) -> Result<(), Error> {
-        let this = &mut *self;
-        dem::step(&model.physics, state, work, |state, work| {
-            this.programme(model, rig, state, work)?;
-            observe(this, state, work)?;
-            this.servo(rig, state);
-            Ok::<(), Error>(())
-        })?;
-        self.phase_steps += 1;
-        Ok(())
-    }
-
     /// Axial strain since the start of shear, compression positive.
     pub fn axial_strain(&self, state: &State) -> f64 {
         1.0 - space(state).height / self.start.0
     }
 
-    fn programme(&mut self, model: &Model, rig: &Triaxial, state: &mut State, work: &Workspace) -> Result<(), Error> {
+    /// Sets the phase of the next step.
+    fn set_phase(&mut self, model: &Model, rig: &Triaxial, state: &mut State, work: &Workspace) -> Result<(), Error> {
         match self.phase {
             Phase::Settle if self.at_rest(model, rig, state, work) => {
                 cylinder::begin(model, state, work);
@@ -117,7 +98,7 @@ impl Shearing {
             && observables::sums(&model.physics, state, work).unbalanced_ratio(state.grains.len()) < UNBALANCED_AT_REST
     }
 
-    fn servo(&mut self, rig: &Triaxial, state: &mut State) {
+    fn set_speeds(&mut self, rig: &Triaxial, state: &mut State) {
         let (size, stresses) = (space(state), Stresses::of(state));
         let cell = rig.specimen.isotropic_stress;
         if self.phase_steps.is_multiple_of(LOOK) || self.rate == 0.0 {
@@ -145,15 +126,17 @@ impl SpecimenTest for Shearing {
         Ok((Shearing { phase: Phase::Settle, phase_steps: 0, start: (size.height, size.radius), rate: 0.0 }, state))
     }
 
-    fn advance(
-        &mut self,
-        model: &Model,
-        rig: &Triaxial,
-        state: &mut State,
-        work: &mut Workspace,
-        observe: &mut dyn FnMut(&Shearing, &State, &Workspace) -> Result<(), Error>,
-    ) -> Result<(), Error> {
-        self.step(model, rig, state, work, observe)
+    fn programme(&mut self, model: &Model, rig: &Triaxial, state: &mut State, work: &Workspace) -> Result<(), Error> {
+        self.set_phase(model, rig, state, work)
+    }
+
+    fn servo(&mut self, rig: &Triaxial, state: &mut State) {
+        self.set_speeds(rig, state);
+        self.phase_steps += 1;
+    }
+
+    fn settles(&self) -> bool {
+        self.phase == Phase::Settle
     }
 
     fn check(&self, model: &Model, rig: &Triaxial, state: &State) -> Checked {

@@ -1,0 +1,240 @@
+//! Tests that Python makes step by step. Arrays are bytes that Python owns: each number is written once, where numpy reads it.
+
+use crate::error::raised;
+use crate::scene::Scene;
+use crate::watch::watched;
+use comminute::boundary::{Drive, WallShape};
+use comminute::record::contacts::{Other, mean_stress};
+use comminute::run;
+use comminute::table::Value;
+use pyo3::IntoPyObjectExt;
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use pyo3::types::{PyBytes, PyDict};
+use std::time::Duration;
+
+/// Time between two looks at signals.
+const LOOK: Duration = Duration::from_millis(50);
+
+/// A test at the instant when the forces are known and nothing has moved yet.
+#[pyclass(module = "comminute._comminute")]
+pub struct Simulation {
+    inner: run::Simulation,
+    /// Indices of the grains in the order of their ids; made when first asked for after a step.
+    order: Option<Vec<u32>>,
+}
+
+#[pymethods]
+impl Simulation {
+    /// The simulation of a scene at its first instant.
+    #[staticmethod]
+    fn of(py: Python<'_>, scene: &Scene, threads: Option<usize>) -> PyResult<Simulation> {
+        let inner = watched(py, None, |_| run::Simulation::of(&scene.0, threads))?;
+        Ok(Simulation { inner, order: None })
+    }
+
+    /// Makes this many steps. After Ctrl-C the steps that were made stay made.
+    fn step(&mut self, py: Python<'_>, steps: u64) -> PyResult<()> {
+        self.order = None;
+        let mut left = steps;
+        while left > 0 {
+            let inner = &mut self.inner;
+            left -= raised(py, py.detach(|| inner.step(left, LOOK)))?;
+            py.check_signals()?;
+        }
+        Ok(())
+    }
+
+    #[getter]
+    fn steps(&self) -> u64 {
+        self.inner.state().step
+    }
+
+    #[getter]
+    fn time(&self) -> f64 {
+        self.inner.state().time
+    }
+
+    #[getter]
+    fn dt(&self) -> f64 {
+        self.inner.state().dt
+    }
+
+    #[getter]
+    fn is_over(&self) -> bool {
+        self.inner.is_over()
+    }
+
+    #[getter]
+    fn driven(&self) -> bool {
+        self.inner.driven()
+    }
+
+    #[getter]
+    fn volume(&self) -> Option<f64> {
+        self.inner.volume()
+    }
+
+    #[getter]
+    fn crush_events(&self) -> u64 {
+        self.inner.state().crush_events
+    }
+
+    /// Numbers of the grains, in the order of their ids: eight bytes each, so many to a grain as `name` says.
+    fn array<'py>(&mut self, py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyBytes>> {
+        let Simulation { inner, order } = self;
+        let g = &inner.state().grains;
+        let order = order.get_or_insert_with(|| g.by_id());
+        let three = |v: [f64; 4]| [v[0], v[1], v[2]];
+        match name {
+            "ids" => written(py, order, |i| [i64::from(g.id[i]).to_ne_bytes()]),
+            "generations" => written(py, order, |i| [i64::from(g.generation[i]).to_ne_bytes()]),
+            "materials" => written(py, order, |i| [i64::from(g.material[i]).to_ne_bytes()]),
+            "positions" => numbers(py, order, |i| three(g.pos[i])),
+            "velocities" => numbers(py, order, |i| three(g.vel[i])),
+            "spins" => numbers(py, order, |i| three(g.spin[i])),
+            "radii" => numbers(py, order, |i| [g.radius(i)]),
+            "masses" => numbers(py, order, |i| [g.mass[i]]),
+            "inertial_masses" => numbers(py, order, |i| [g.inertia(i)]),
+            "strengths" => numbers(py, order, |i| [g.strength[i]]),
+            "forces" => numbers(py, order, |i| inner.force(i)),
+            _ => Err(PyValueError::new_err(format!("there is no array {name}"))),
+        }
+    }
+
+    /// The contacts as packed records: id of the grain, id of the other grain or number of the wall (eight bytes each), whether it is a
+    /// wall (one byte), then numbers: point, normal, force on the grain (three each), normal force, overlap.
+    fn contacts<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
+        const RECORD: usize = 8 + 8 + 1 + 11 * 8;
+        let g = &self.inner.state().grains;
+        let all = self.inner.contacts();
+        PyBytes::new_with(py, RECORD * all.len(), |bytes| {
+            for (place, c) in bytes.chunks_exact_mut(RECORD).zip(&all) {
+                let (other, wall) = match c.other {
+                    Other::Grain(j) => (i64::from(g.id[j]), false),
+                    Other::Wall(k) => (k as i64, true),
+                    Other::Point(id) => (i64::from(id), false),
+                };
+                place[..8].copy_from_slice(&i64::from(g.id[c.grain]).to_ne_bytes());
+                place[8..16].copy_from_slice(&other.to_ne_bytes());
+                place[16] = u8::from(wall);
+                let vectors = [c.point, c.touch.normal, c.touch.force()].into_iter().flatten();
+                let numbers = vectors.chain([c.touch.normal_force, c.touch.overlap]);
+                for (slot, x) in place[17..].chunks_exact_mut(8).zip(numbers) {
+                    slot.copy_from_slice(&x.to_ne_bytes());
+                }
+            }
+            Ok(())
+        })
+    }
+
+    /// Love and Weber's mean stress in a volume, m³; in that of the specimen if none is given.
+    #[pyo3(signature = (volume))]
+    fn mean_stress(&self, volume: Option<f64>) -> PyResult<[[f64; 3]; 3]> {
+        let volume = volume
+            .or_else(|| self.inner.volume())
+            .ok_or_else(|| PyValueError::new_err("volume: is missing: a free scene has no volume of its own"))?;
+        if !(volume > 0.0 && volume.is_finite()) {
+            return Err(PyValueError::new_err(format!("volume = {volume}: must be above 0")));
+        }
+        Ok(mean_stress(&self.inner.state().grains, &self.inner.contacts(), volume))
+    }
+
+    /// Time scale of grain rearrangement at a pressure, s.
+    fn inertial_time(&self, pressure: f64) -> f64 {
+        self.inner.inertial_time(pressure)
+    }
+
+    /// Names of the walls.
+    fn wall_names(&self) -> Vec<String> {
+        self.inner.wall_names()
+    }
+
+    /// What a wall is now.
+    fn wall<'py>(&self, py: Python<'py>, number: usize) -> PyResult<Bound<'py, PyDict>> {
+        let wall = &self.inner.state().walls[number];
+        let about = PyDict::new(py);
+        match wall.shape {
+            WallShape::Plane { point, normal } => {
+                about.set_item("position", point)?;
+                about.set_item("normal", normal)?;
+            }
+            WallShape::Cylinder { centre, radius } => {
+                about.set_item("position", centre)?;
+                about.set_item("radius", radius)?;
+            }
+        }
+        let speed = if let (Drive::Velocity(told), true) = (wall.drive, self.inner.driven()) { told } else { wall.speed };
+        about.set_item("displacement", self.inner.way(number))?;
+        about.set_item("velocity", speed)?;
+        about.set_item("force", wall.reaction)?;
+        about.set_item("shear_z", wall.shear_z)?;
+        about.set_item("work", wall.work)?;
+        about.set_item("area", self.inner.wall_area(number))?;
+        Ok(about)
+    }
+
+    /// Lets a wall move at a velocity, m/s, towards the grains.
+    fn drive(&mut self, py: Python<'_>, wall: usize, velocity: f64) -> PyResult<()> {
+        raised(py, self.inner.drive(wall, Drive::Velocity(velocity)))
+    }
+
+    /// Lets a wall hold a stress, Pa.
+    #[pyo3(signature = (wall, stress, area, gain, fastest))]
+    fn hold(
+        &mut self,
+        py: Python<'_>,
+        wall: usize,
+        stress: f64,
+        area: Option<f64>,
+        gain: Option<f64>,
+        fastest: Option<f64>,
+    ) -> PyResult<()> {
+        let drive = Drive::Stress { stress, area: area.unwrap_or(0.0), gain: gain.unwrap_or(0.0), fastest };
+        raised(py, self.inner.drive(wall, drive))
+    }
+
+    /// The row of `history.csv` for this instant.
+    fn row<'py>(&mut self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let row = raised(py, self.inner.row())?;
+        dict(py, row)
+    }
+
+    /// The rows of `breakage.csv` so far.
+    fn breakages<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyDict>>> {
+        self.inner.breakages().into_iter().map(|row| dict(py, row)).collect()
+    }
+}
+
+/// A row as a dict; numbers that are not finite are NaN.
+fn dict(py: Python<'_>, row: comminute::table::Row) -> PyResult<Bound<'_, PyDict>> {
+    let dict = PyDict::new(py);
+    for (name, value) in row {
+        let value = match value {
+            Value::Count(n) => n.into_py_any(py)?,
+            Value::Number(x) => x.into_py_any(py)?,
+            Value::Text(text) => text.into_py_any(py)?,
+        };
+        dict.set_item(name, value)?;
+    }
+    Ok(dict)
+}
+
+/// `K` numbers of each grain, in this order of the grains.
+fn numbers<'py, const K: usize>(py: Python<'py>, order: &[u32], of: impl Fn(usize) -> [f64; K]) -> PyResult<Bound<'py, PyBytes>> {
+    written(py, order, |i| of(i).map(f64::to_ne_bytes))
+}
+
+/// `K` numbers of eight bytes of each grain, in this order of the grains.
+fn written<'py, const K: usize>(
+    py: Python<'py>,
+    order: &[u32],
+    of: impl Fn(usize) -> [[u8; 8]; K],
+) -> PyResult<Bound<'py, PyBytes>> {
+    PyBytes::new_with(py, 8 * K * order.len(), |bytes| {
+        for (place, i) in bytes.chunks_exact_mut(8 * K).zip(order) {
+            place.copy_from_slice(of(*i as usize).as_flattened());
+        }
+        Ok(())
+    })
+}
