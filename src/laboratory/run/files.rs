@@ -48,8 +48,9 @@ pub const FINES: &str = "fines.pvd";
 /// The only file of a run that failed before its test began: the reason, and the scene. The next run may use such a folder.
 pub const FAILED: &str = "failed.scene.toml";
 /// The files that a run leaves, besides its scene, snapshots and figures. Overwriting a run removes these and nothing else.
-const OURS: [&str; 30] = [
+const OURS: [&str; 31] = [
     FAILED,
+    REPORT,
     SPECIMEN,
     SUMMARY,
     SUMMARY_TEMPORARY,
@@ -80,6 +81,8 @@ const OURS: [&str; 30] = [
     checkpoint::PREVIOUS,
     checkpoint::TEMPORARY,
 ];
+/// The page that shows the run, where `run --report` asked for it.
+pub const REPORT: &str = "report.html";
 /// Folder of the figures.
 pub const FIGURES: &str = "figures";
 /// Folder in which figures are drawn, before they are moved to [`FIGURES`].

@@ -10,6 +10,7 @@ mod of_scene;
 mod progress_bar;
 mod summary;
 mod watch;
+pub mod words;
 
 use crate::error::{Error, Result};
 use crate::host;
@@ -28,7 +29,8 @@ use engine::check::{self, Checked, ensure};
 use engine::dem::{State, Workspace};
 use engine::grains::Grains;
 use files::Files;
-pub use files::{DRAWING, DRAWN, FIGURES, occupied};
+pub use files::{BLOCKS, COLLECTION, DRAWING, DRAWN, FAILED, FIGURES, FINES, GRAINS, REPORT, SNAPSHOTS, SUMMARY, WALLS, occupied};
+pub use folder::resumable;
 pub use folder::{Found, Lock, is_at, lock, look};
 pub use of_scene::{SceneOptions, Word, run_scene};
 use progress_bar::Bar;
