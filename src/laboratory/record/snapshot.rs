@@ -102,8 +102,8 @@ fn parse(file: &[u8]) -> std::result::Result<Snapshot, String> {
     let ends: Option<Vec<u32>> = ends.iter().map(corner).collect();
     found.triangles = ends.ok_or("a triangle has a corner that is not there")?.as_chunks::<3>().0.to_vec();
     let n = if found.triangles.is_empty() { corners } else { found.triangles.len() };
-    match found.arrays.iter().find(|a| a.values.len() != n * a.components) {
-        Some(a) => Err(format!("{} has {} values, {} expected", a.name, a.values.len(), n * a.components)),
+    match found.arrays.iter().find(|a| n.checked_mul(a.components) != Some(a.values.len())) {
+        Some(a) => Err(format!("{} has {} values, {n} times {} expected", a.name, a.values.len(), a.components)),
         None => Ok(found),
     }
 }
