@@ -13,7 +13,7 @@ mod watch;
 #[pyo3::pymodule]
 mod _comminute {
     #[pymodule_export]
-    use crate::records::{columns, draw, overlay, resume};
+    use crate::records::{columns, draw, overlay, report, resume};
     #[pymodule_export]
     use crate::scene::{Scene, key_reference};
     #[pymodule_export]
