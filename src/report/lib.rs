@@ -62,7 +62,7 @@ pub fn write(dirs: &[PathBuf], out: &Path, options: &Options) -> Result<Written>
 /// Writes the report of one run into its folder, as `report.html`.
 ///
 /// # Errors
-/// Those of [`write`].
+/// Those of [`write()`].
 pub fn write_run(dir: &Path) -> Result<Written> {
     write(&[dir.to_path_buf()], &dir.join(laboratory::run::REPORT), &Options::default())
 }
