@@ -85,7 +85,7 @@
 //! | [`calibrate`] | parameters from laboratory data |
 //! | [`campaign`], [`reproduce`], [`study`] | many runs; a paper's runs beside what was published; what a choice costs |
 //! | [`verify`], [`mod@bench`], [`point_test`] | closed forms, speed, a law at one material point |
-//! | [`figure`], [`table`] | figures from records; tables |
+//! | [`figure`], [`report`], [`table`] | figures from records; a page that shows runs; tables |
 //! | [`command()`], [`call`] | the command line, as a program and as a call |
 //! | [`host`], [`interrupt`] | how a program that makes runs inside itself stops them and is told their progress; Ctrl-C |
 //!
@@ -109,6 +109,7 @@ pub use engine::{
 };
 pub use laboratory::{error, gradation, host, interrupt, machine, model, packing, record, rig, run, scene, testing};
 pub use plot as figure;
+pub use report;
 pub use table;
 
 pub use breakage::Criterion;

@@ -328,3 +328,24 @@ fn the_bench_measures_material_points() {
     refused(&["bench", "mpm", "--points", "7"], "7 is not in 8..=50000000");
     comminute(&["bench", "mpm", "--help"]).success().stdout(contains("comminute bench mpm --points 64000"));
 }
+
+/// A run is shown by a page, when it ends and later; what is no run or no report is refused before anything is written.
+#[test]
+fn runs_are_shown_by_a_page() {
+    let folder = folder();
+    let at = |name: &str| folder.path().join(name).display().to_string();
+    comminute(&["run", "experiments/free/hertz_impact.toml", "--report", "--out", &at("run")])
+        .success()
+        .stderr(contains("report in").and(contains("report.html")));
+    assert!(fs::read_to_string(at("run/report.html")).expect("page").contains("hertz_impact"));
+    let json = comminute(&["report", &at("run"), "--out", &at("pages/two.html"), "--json", "--quiet"]).success().stderr("");
+    let json: serde_json::Value = serde_json::from_slice(&json.get_output().stdout).expect("json");
+    assert_eq!(json["bytes"].as_u64(), fs::metadata(at("pages/two.html")).ok().map(|m| m.len()));
+    refused(&["report", &at("pages")], "holds no run");
+    fs::write(at("notes.html"), "mine").expect("written");
+    refused(&["report", &at("run"), "--out", &at("notes.html")], "is no report");
+    refused(&["report", &at("run"), "--snapshots", "0"], "--snapshots");
+    // the report is the run's, and goes with it
+    comminute(&["run", "experiments/free/hertz_impact.toml", "--force", "--quiet", "--out", &at("run")]).success();
+    assert!(!folder.path().join("run/report.html").exists());
+}

@@ -95,6 +95,13 @@ class Run:
             return Figures([drawn.parent / name for name in names])
         return Figures([Path(file) for file in _comminute.draw(self.folder)])
 
+    def report(self, out: str | os.PathLike[str] | None = None, *, force: bool = False) -> Path:
+        """Writes the page that shows the run, into its folder as ``report.html`` if ``out`` is not given, and gives its path. ``force``
+        overwrites a file that is no report."""
+        page = self.folder / "report.html" if out is None else Path(out)
+        _comminute.report(self.folder, page, force)
+        return page
+
     def _repr_html_(self) -> str:
         rows = "".join(f"<tr><td>{key}</td><td>{value}</td></tr>" for key, value in self.summary.items())
         return f"<b>{self.folder}</b><table>{rows}</table>"

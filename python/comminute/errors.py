@@ -122,7 +122,8 @@ class FigureError(Error, RuntimeError):
 
 
 class Interrupted(Error):
-    """A run was stopped at the step that the caller asked for (``stop_after``). ``comminute.resume(error.path)`` goes on from there."""
+    """A run was stopped at the step that the caller asked for (``stop_after``). ``comminute.resume(error.path)`` goes on from there.
+    Without a path: what was stopped keeps nothing."""
 
     step: int = 0
     path: Path | None = None

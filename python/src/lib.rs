@@ -17,7 +17,7 @@ mod _comminute {
     #[pymodule_export]
     use crate::command::{call, command, runs_by};
     #[pymodule_export]
-    use crate::records::{columns, draw, overlay, resume};
+    use crate::records::{columns, draw, overlay, report, resume};
     #[pymodule_export]
     use crate::scene::{Scene, key_reference};
     #[pymodule_export]

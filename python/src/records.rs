@@ -3,6 +3,7 @@
 use crate::error::raised;
 use crate::watch::watched;
 use comminute::record::dictionary::SHEETS;
+use comminute::report::{Options, write};
 use comminute::{ResumeOptions, figure};
 use pyo3::prelude::*;
 use std::path::PathBuf;
@@ -45,6 +46,13 @@ pub fn columns(kind: &str) -> Vec<Sheet> {
 #[pyfunction]
 pub fn draw(py: Python<'_>, folder: PathBuf) -> PyResult<Vec<PathBuf>> {
     raised(py, py.detach(|| figure::draw_run(&folder).map_err(comminute::Error::from)))
+}
+
+/// Writes the page that shows a run to the file `out`; `force` overwrites a file that is no report.
+#[pyfunction]
+pub fn report(py: Python<'_>, folder: PathBuf, out: PathBuf, force: bool) -> PyResult<()> {
+    let options = Options { force, ..Options::default() };
+    raised(py, py.detach(|| write(&[folder], &out, &options).map(|_| ())))
 }
 
 /// Draws several runs and measured data into common figures; gives the files.

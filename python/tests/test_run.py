@@ -78,6 +78,14 @@ def test_a_run_is_opened(run, tmp_path):
         comminute.Run.open(tmp_path)
 
 
+def test_a_report_is_written(run, tmp_path):
+    page = run.report(tmp_path / "page.html")
+    assert "comminute report" in page.read_text(encoding="utf-8")[:200]
+    (tmp_path / "notes.html").write_text("mine")
+    with pytest.raises(errors.InputError, match="is no report"):
+        run.report(tmp_path / "notes.html")
+
+
 def test_figures_are_shown(run, tmp_path):
     figures = run.plot()
     assert {"compression", "gradation", "specimen"} <= set(figures)

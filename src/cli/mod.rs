@@ -18,6 +18,7 @@ mod man;
 mod new;
 mod plot;
 mod point_test;
+mod report;
 mod reproduce;
 mod resume;
 mod run;
@@ -27,7 +28,7 @@ mod verify;
 
 use clap::{Args, Parser, Subcommand};
 use comminute::error::{Error, Result};
-use comminute::run::MOST_THREADS;
+use comminute::run::{MOST_THREADS, words};
 use comminute::scene::{self, Scene};
 use std::ffi::OsString;
 use std::io::Write;
@@ -103,6 +104,8 @@ pub enum Verb {
     Check(check::Args),
     /// Draw runs and data files into common figures
     Plot(plot::Args),
+    /// Write a page that shows runs: figures, the specimen in 3D, breakages, provenance
+    Report(report::Args),
     /// Continue a run that was stopped
     Resume(resume::Args),
     /// Run a scene with several seeds; mean and band of every curve
@@ -134,6 +137,7 @@ impl Verb {
             Verb::Run(args) => run::call(args),
             Verb::Check(args) => check::call(&args),
             Verb::Plot(args) => plot::call(&args),
+            Verb::Report(args) => report::call(&args),
             Verb::Resume(args) => resume::call(args),
             Verb::Ensemble(args) => ensemble::call(&args),
             Verb::Sweep(args) => sweep::call(&args),
@@ -249,112 +253,15 @@ pub fn close(mut outcome: comminute::run::Outcome, quiet: bool, json: bool) -> R
     if quiet {
         return Ok(());
     }
-    let number = |key: &str| outcome.summary.get(key).and_then(serde_json::Value::as_f64);
-    let count = |key: &str| number(key).map_or("?".into(), |x| format!("{x}"));
-    if outcome.summary.get("tests").is_some() {
-        let worst = |key: &str| number(key).map_or("?".into(), |x| format!("{:.2e}", x));
-        eprintln!(
-            "{} grains pressed, {} broke; forces within {} of Hertz and {} of their limits, {} s",
-            count("tests"),
-            count("crush_events"),
-            worst("largest_hertz_deviation"),
-            worst("largest_overshoot"),
-            number("wall_seconds").map_or("?".into(), |s| format!("{s:.1}")),
-        );
-        eprintln!("records in {}", outcome.out.display());
-        count_figures(&outcome, &figures);
-        return Ok(());
+    for line in words::closing(&outcome.summary) {
+        eprintln!("{line}");
     }
-    if outcome.summary["kind"] == "continuum" || outcome.summary["kind"] == "mixture" {
-        let ratio = number("peak_stress_ratio").map_or(String::new(), |r| format!(", peak σ1/σ3 {r:.4}"));
-        let seconds = number("wall_seconds").map_or("?".into(), |s| format!("{s:.1}"));
-        let grains = number("grains").map_or(String::new(), |n| format!(" and {n} grains"));
-        let broken = breakage(&outcome.summary);
-        if !broken.is_empty() {
-            eprintln!("{broken}");
-        }
-        eprintln!("{} steps of {} points{grains}{ratio}, {seconds} s", count("steps"), count("points"));
-        warn(&outcome.summary);
-        if let Some(share) = number("dissipated_share").filter(|share| *share < 0.0) {
-            eprintln!("warning: dissipated_share = {share:.3}: more energy came out of the specimen than went in");
-        }
-        eprintln!("records in {}", outcome.out.display());
-        count_figures(&outcome, &figures);
-        return Ok(());
-    }
-    let state = results(&outcome.summary);
-    if !state.is_empty() {
-        eprintln!("{state}");
-    }
-    eprintln!(
-        "{} steps, {} crush events, {} grains from {}, {} s",
-        count("steps"),
-        count("crush_events"),
-        count("grains_final"),
-        count("grains_initial"),
-        number("wall_seconds").map_or("?".into(), |s| format!("{s:.1}")),
-    );
-    warn(&outcome.summary);
-    if let Some(kpa) = outcome.summary.pointer("/below_least_void_ratio/sigma_v_kPa").and_then(serde_json::Value::as_f64) {
-        let ended = if outcome.summary.get("ended_early").is_some() { "; the run ended there" } else { "" };
-        let least = number("least_void_ratio").unwrap_or(f64::NAN);
-        eprintln!("warning: from {kpa:.0} kPa on the void ratio is below {least}, which fines cannot fill{ended}");
-    }
-    if let Some(beyond) = number("einav_beyond").filter(|b| *b > 0.01) {
-        eprintln!(
-            "warning: the gradation is finer than Einav's ultimate one by {beyond:.2} of the area that B_r is counted over (einav_beyond)"
-        );
-    }
-    if let Some(rises) = number("energy_rises").filter(|&n| n > 0.0) {
-        eprintln!("warning: after {rises} breakages more elastic energy was stored around the event than before");
+    for warning in words::warnings(&outcome.summary) {
+        eprintln!("warning: {warning}");
     }
     eprintln!("records in {}", outcome.out.display());
     count_figures(&outcome, &figures);
     Ok(())
-}
-
-/// Results of an oedometer or triaxial test in one line, as `up to 1000 kPa, e = 0.461, k0 =
-/// 0.550`; empty if the summary has none.
-fn results(summary: &serde_json::Value) -> String {
-    let number = |key: &str| summary.get(key).and_then(serde_json::Value::as_f64);
-    let parts = [
-        number("max_measured_stress_kPa").map(|s| format!("up to {s:.0} kPa")),
-        number("void_ratio_final").map(|e| format!("e = {e:.3}")),
-        number("k0_final").map(|k| format!("k0 = {k:.3}")),
-        number("axial_strain_final").map(|s| format!("axial strain {:.2} %", 100.0 * s)),
-        number("hardin_br").map(|b| format!("B_r {b:.3} (Hardin)")),
-        number("einav_br").map(|b| format!("{b:.3} (Einav)")),
-    ];
-    parts.into_iter().flatten().collect::<Vec<String>>().join(", ")
-}
-
-/// Breakages of a mixture in one line, as `3 breakages, 0.120 g lost`, with B_r; empty if nothing
-/// can break.
-fn breakage(summary: &serde_json::Value) -> String {
-    let number = |key: &str| summary.get(key).and_then(serde_json::Value::as_f64);
-    let parts = [
-        number("crush_events").map(|n| format!("{n} breakage{}", if n == 1.0 { "" } else { "s" })),
-        number("mass_lost_kg").map(|m| format!("{:.3} g lost", 1e3 * m)),
-        number("hardin_br").map(|b| format!("B_r {b:.3} (Hardin)")),
-        number("einav_br").map(|b| format!("{b:.3} (Einav)")),
-    ];
-    parts.into_iter().flatten().collect::<Vec<String>>().join(", ")
-}
-
-/// Results of a run of any kind in one line; empty if the summary has none.
-fn found(summary: &serde_json::Value) -> String {
-    if summary["kind"] != "continuum" && summary["kind"] != "mixture" {
-        return results(summary);
-    }
-    let ratio = summary["peak_stress_ratio"].as_f64().map(|r| format!("peak σ1/σ3 {r:.4}"));
-    ratio.into_iter().chain(Some(breakage(summary)).filter(|b| !b.is_empty())).collect::<Vec<String>>().join(", ")
-}
-
-/// Prints the warnings of a summary.
-fn warn(summary: &serde_json::Value) {
-    for warning in summary["warnings"].as_array().into_iter().flatten().filter_map(|w| w.as_str()) {
-        eprintln!("warning: {warning}");
-    }
 }
 
 /// Prints the number of figures drawn and their folder.

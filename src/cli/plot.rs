@@ -2,6 +2,7 @@
 
 use comminute::error::{Error, Result};
 use comminute::figure;
+use comminute::run::words;
 use std::path::{Path, PathBuf};
 
 /// Draw runs and data files into common figures
@@ -80,7 +81,7 @@ pub fn call(args: &Args) -> Result<()> {
 fn print_results(dir: &Path) {
     let summary = std::fs::read_to_string(dir.join("summary.json")).ok();
     let Some(summary) = summary.and_then(|text| serde_json::from_str::<serde_json::Value>(&text).ok()) else { return };
-    let found = super::found(&summary);
+    let found = words::results(&summary);
     if !found.is_empty() {
         eprintln!("{}: {found}", dir.display());
     }

@@ -46,6 +46,10 @@ pub struct Args {
     #[arg(long, value_name = "STEPS")]
     stop_after: Option<u64>,
 
+    /// Write a page that shows the run, report.html, into its folder
+    #[arg(long)]
+    report: bool,
+
     /// No progress and no closing summary
     #[arg(long)]
     quiet: bool,
@@ -74,5 +78,7 @@ pub fn call(mut args: Args) -> Result<()> {
         Word::Note(note) => eprintln!("{note}"),
         Word::Warning(warning) => eprintln!("warning: {warning}"),
     })?;
-    super::close(outcome, args.quiet, args.json)
+    let out = outcome.out.clone();
+    super::close(outcome, args.quiet, args.json)?;
+    if args.report { super::report::of_run(&out, args.quiet) } else { Ok(()) }
 }

@@ -11,6 +11,7 @@ mod balls;
 mod bodies;
 mod calibration;
 mod canvas;
+mod chart;
 mod colour;
 mod continuum;
 mod curves;
@@ -41,6 +42,7 @@ mod walls;
 
 pub use axis::significant;
 pub use calibration::{Drawn, Graph, Look, Quantity, Tone};
+pub use chart::{Chart, ChartAxis, ChartMark, ChartSeries, Palette, charts, palette};
 pub use effects::{Bar, draw_effects};
 pub use error::{FigureError, Result};
 pub use mean::write as write_means;

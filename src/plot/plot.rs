@@ -145,7 +145,8 @@ impl Plot {
         Some(canvas)
     }
 
-    fn ranges(&self) -> Option<(Range, Range)> {
+    /// The ranges of both axes; `None` if no series has a point to show.
+    pub fn ranges(&self) -> Option<(Range, Range)> {
         let shown = |s: &Series, i: usize| self.x.shows(s.x[i]) && self.y.shows(s.y[i]);
         let points =
             || self.series.iter().flat_map(|s| (0..s.x.len().min(s.y.len())).map(move |i| (s, i))).filter(|(s, i)| shown(s, *i));

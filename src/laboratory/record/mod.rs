@@ -17,6 +17,7 @@ pub(crate) mod gradations;
 pub(crate) mod grain_crushing;
 pub(crate) mod joints;
 pub(crate) mod quasi_static;
+pub mod snapshot;
 pub mod specimen;
 pub(crate) mod vtk;
 pub(crate) mod wall_rows;

@@ -48,8 +48,9 @@ pub const FINES: &str = "fines.pvd";
 /// The only file of a run that failed before its test began: the reason, and the scene. The next run may use such a folder.
 pub const FAILED: &str = "failed.scene.toml";
 /// The files that a run leaves, besides its scene, snapshots and figures. Overwriting a run removes these and nothing else.
-const OURS: [&str; 30] = [
+const OURS: [&str; 31] = [
     FAILED,
+    REPORT,
     SPECIMEN,
     SUMMARY,
     SUMMARY_TEMPORARY,
@@ -80,6 +81,8 @@ const OURS: [&str; 30] = [
     checkpoint::PREVIOUS,
     checkpoint::TEMPORARY,
 ];
+/// The page that shows the run, where `run --report` asked for it.
+pub const REPORT: &str = "report.html";
 /// Folder of the figures.
 pub const FIGURES: &str = "figures";
 /// Folder in which figures are drawn, before they are moved to [`FIGURES`].
@@ -326,17 +329,17 @@ impl Files {
         Ok(())
     }
 
-    /// Writes a row for each breakage of a step; `target` is the present target of the vertical stress, Pa, in a test that has
-    /// one.
+    /// Writes a row for each breakage of a step. `test`: of a test on a specimen the present target of the vertical stress, Pa, if it has
+    /// one; `None`: a free scene.
     ///
     /// # Errors
     /// A file that cannot be written.
-    pub fn breakages(&mut self, out: &Path, breakages: &[Breakage], state: &State, target: Option<f64>) -> Result<()> {
+    pub fn breakages(&mut self, out: &Path, breakages: &[Breakage], state: &State, test: Option<Option<f64>>) -> Result<()> {
         if breakages.is_empty() {
             return Ok(());
         }
-        let sigma_v = if state.walls.len() == 3 { Stresses::of(state).vertical() } else { f64::NAN };
-        let off = target.is_some_and(|target| distance(sigma_v, target) > OFF);
+        let sigma_v = test.map_or(f64::NAN, |_| Stresses::of(state).vertical());
+        let off = test.flatten().is_some_and(|target| distance(sigma_v, target) > OFF);
         for b in breakages {
             self.recorder.broken.add(b, off);
             self.ancestors.add(b);

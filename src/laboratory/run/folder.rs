@@ -30,6 +30,11 @@ pub enum Found {
     Other(String),
 }
 
+/// Whether the folder `out` holds a checkpoint, from which its run can be resumed.
+pub fn resumable(out: &Path) -> bool {
+    checkpoint::exists(out)
+}
+
 /// Finds out what the folder `out` holds of the run of `scene`.
 ///
 /// # Errors

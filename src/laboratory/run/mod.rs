@@ -11,6 +11,7 @@ mod progress_bar;
 mod simulation;
 mod summary;
 mod watch;
+pub mod words;
 
 use crate::error::{Error, Result};
 use crate::host;
@@ -29,7 +30,8 @@ use engine::check::{self, Checked, ensure};
 use engine::dem::{State, Workspace};
 use engine::grains::Grains;
 use files::Files;
-pub use files::{DRAWING, DRAWN, FIGURES, occupied};
+pub use files::{BLOCKS, COLLECTION, DRAWING, DRAWN, FAILED, FIGURES, FINES, GRAINS, REPORT, SNAPSHOTS, SUMMARY, WALLS, occupied};
+pub use folder::resumable;
 pub use folder::{Found, Lock, is_at, lock, look};
 pub use of_scene::{SceneOptions, Word, run_scene};
 use progress_bar::Bar;
@@ -505,7 +507,7 @@ impl<'a> Runner<'a> {
                     let due = test.due(model, &mut files.recorder, state);
                     files.observe(out, model, (state, work), test.fines(), due, || test.moment(state))
                 })?;
-                files.breakages(out, &work.breakages, state, test.target())?;
+                files.breakages(out, &work.breakages, state, Some(test.target()))?;
                 Ok(test.is_over() || files.ends_below_least(model))
             }
             (_, Rig::Assembly(rig)) => {

@@ -256,7 +256,7 @@ impl Now {
         now.look(model)?;
         while now.test.as_ref().is_some_and(Test::settles) {
             if stop_asked() {
-                return Err(stopped(now.state.step));
+                return Err(STOPPED);
             }
             now.step(model)?;
         }
@@ -348,12 +348,11 @@ fn prepared(model: &Model, rig: &crate::model::Specimen) -> Result<(engine::grai
     let mut work = fresh_work(model, &mut state);
     while !preparation.advance(model, rig, &mut state, &mut work)? {
         if stop_asked() {
-            return Err(stopped(preparation.steps()));
+            return Err(STOPPED);
         }
     }
     Ok(specimen::at_rest(&state, &model.physics.materials))
 }
 
-fn stopped(step: u64) -> Error {
-    Error::Failed { step, what: "stopped while the specimen was made".into() }
-}
+/// A stop before the first instant.
+const STOPPED: Error = Error::Cut { doing: "the specimen was made" };
