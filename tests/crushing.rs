@@ -662,3 +662,26 @@ fn open_choices_are_keys_that_are_off_by_default() {
     assert_eq!(absolute, Truncation::Absolute);
     near("mean of absolute strengths", mean, 1.1666, 0.025);
 }
+
+/// Three walls make no specimen: breakages of a free scene that has as many have no vertical stress.
+#[test]
+fn a_free_scene_with_three_walls_has_no_vertical_stress() {
+    let folder = tempfile::tempdir().expect("folder");
+    let (d, out) = (2e-3, folder.path().join("out"));
+    let plane = |point: [f64; 3], normal: [f64; 3], velocity: f64| Plane { point, normal, velocity, ..Plane::default() };
+    let planes = [
+        plane([0.0, 0.0, -0.5 * d], [0.0, 0.0, 1.0], 0.5),
+        plane([0.0, 0.0, 0.5 * d], [0.0, 0.0, -1.0], 0.5),
+        plane([-d, 0.0, 0.0], [1.0, 0.0, 0.0], 0.0),
+    ];
+    let head = crushing("fixed_angle", 30.0, 2.0, 0.0) + "steps = 3000\nrecords.figures = false\n";
+    let text = assembly_text(&head, &COKE, &[Ball { radius: 0.5 * d, ..Ball::default() }], &planes);
+    let scene = folder.path().join("scene.toml");
+    std::fs::write(&scene, text).expect("written");
+    let mut run = std::process::Command::new(cargo_bin("comminute"));
+    assert!(run.arg("run").arg(&scene).args(["--quiet", "--out"]).arg(&out).status().expect("started").success());
+    let mut reader = csv::Reader::from_path(out.join("breakage.csv")).expect("breakages");
+    let at = reader.headers().expect("header").iter().position(|h| h == "sigma_v_kPa").expect("a column");
+    let stresses: Vec<String> = reader.records().map(|row| row.expect("row")[at].to_string()).collect();
+    assert!(!stresses.is_empty() && stresses.iter().all(String::is_empty), "{stresses:?}");
+}

@@ -188,6 +188,9 @@ impl BlockScene<'_> {
 impl Blocks {
     /// Computes the forces of this instant, after [`Self::update`]: of contacts with points (`points`), or of all others. In parallel over contacts; each task writes only its own.
     pub fn evaluate(&mut self, scene: &BlockScene<'_>, points: bool) {
+        if points && scene.continuum.points().is_empty() {
+            return;
+        }
         let rules = Rules { dt: scene.dt, unloading: scene.unloading, weighs_radius: true, task: TASK, arch: pulp::Arch::Scalar };
         let Blocks { blocks, outlines, candidates, sleepers, .. } = self;
         let bodies = posed(blocks, outlines, scene.ahead[0]);
@@ -204,10 +207,14 @@ impl Blocks {
                 sleeper.note(contact.touch.overlap > 0.0, gap, ways);
             });
         });
+        self.sleepers.list();
     }
 
     /// Moves the faces of points with the nodes, after a step of the continuum of `dt` seconds.
     pub fn follow_faces(&mut self, grains: &Grains, continuum: &Continuum, dt: f64) {
+        if continuum.points().is_empty() {
+            return;
+        }
         self.locate(grains, continuum);
         for c in &mut self.candidates {
             if let Some(face) = &mut c.face {

@@ -45,6 +45,10 @@ pub(super) struct Sleepers {
     poses: Vec<Pose>,
     /// Way of each body since, summed over all looks: no place of it has moved further, m.
     ways: Vec<f64>,
+    /// The candidates that touch, in their order.
+    touching: Vec<u32>,
+    /// Those of which something may be known but that they are apart, in their order.
+    awake: Vec<u32>,
 }
 
 impl Sleepers {
@@ -54,6 +58,8 @@ impl Sleepers {
     /// Forgets all.
     pub fn forget(&mut self) {
         self.of.clear();
+        self.touching.clear();
+        self.awake.clear();
     }
 
     /// Brings the sleepers up to date with the bodies; new ones where the candidates are new.
@@ -83,17 +89,37 @@ impl Sleepers {
         (of, ways, due)
     }
 
+    /// Lists the candidates that touch and those that do not sleep, after they have been looked at.
+    pub fn list(&mut self) {
+        let Sleepers { of, touching, awake, .. } = self;
+        touching.clear();
+        awake.clear();
+        for (k, sleeper) in of.iter().enumerate().filter(|(_, sleeper)| sleeper.wake == 0.0) {
+            awake.push(k as u32);
+            if sleeper.touches {
+                touching.push(k as u32);
+            }
+        }
+    }
+
     /// The candidates that touch, in their order.
     pub fn touching<'a>(&'a self, candidates: &'a [BlockContact]) -> impl Iterator<Item = &'a BlockContact> + Clone {
-        let known = self.of.len() == candidates.len();
-        let touches = move |k: &usize| if known { self.of[*k].touches } else { candidates[*k].touch.overlap > 0.0 };
-        (0..candidates.len()).filter(touches).map(|k| &candidates[k])
+        self.listed(&self.touching, candidates).filter(|c| c.touch.overlap > 0.0)
     }
 
     /// The candidates of which something may be known but that they are apart, in their order.
     pub fn awake<'a>(&'a self, candidates: &'a [BlockContact]) -> impl Iterator<Item = &'a BlockContact> {
-        let known = self.of.len() == candidates.len();
-        (0..candidates.len()).filter(move |k| !known || self.of[*k].wake == 0.0).map(|k| &candidates[k])
+        self.listed(&self.awake, candidates)
+    }
+
+    /// The candidates of a list; all where the list is of others.
+    fn listed<'a>(
+        &self,
+        list: &'a [u32],
+        candidates: &'a [BlockContact],
+    ) -> impl Iterator<Item = &'a BlockContact> + Clone + use<'a> {
+        let (list, all) = if self.of.len() == candidates.len() { (list, &[][..]) } else { (&[][..], candidates) };
+        list.iter().map(|&k| &candidates[k as usize]).chain(all)
     }
 }
 

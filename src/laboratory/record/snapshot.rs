@@ -171,22 +171,12 @@ pub fn list(path: &Path) -> Result<Vec<(f64, std::path::PathBuf)>> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::vtk::tests::two_grains;
     use super::super::vtk::{Field, SnapshotData, write_collection, write_snapshot, write_surfaces};
     use super::*;
 
     fn grains() -> SnapshotData {
-        SnapshotData {
-            position: vec![[0.1, 0.2, 0.3], [-1.0, -2.0, -3.0]],
-            radius: vec![0.5, 0.25],
-            generation: vec![0, 3],
-            strength: vec![2e6, f64::INFINITY],
-            force: vec![10.0, 0.0],
-            velocity: vec![[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]],
-            id: vec![7, 8],
-            mean_stress: vec![2e5, 0.0],
-            mother: vec![-1, 7],
-            ancestor: vec![7, 7],
-        }
+        SnapshotData { id: vec![7, 8], ..two_grains() }
     }
 
     #[test]

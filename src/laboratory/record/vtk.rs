@@ -318,7 +318,8 @@ fn escape(text: &str) -> String {
 pub(super) mod tests {
     use super::*;
 
-    fn two_grains() -> SnapshotData {
+    /// Two grains with all fields.
+    pub fn two_grains() -> SnapshotData {
         SnapshotData {
             position: vec![[0.1, 0.2, 0.3], [-1.0, -2.0, -3.0]],
             radius: vec![0.5, 0.25],

@@ -28,8 +28,10 @@ pub fn closing(summary: &Value) -> Vec<String> {
     }
     let (found, done) = if has_points(summary) {
         let ratio = number("peak_stress_ratio").map_or(String::new(), |r| format!(", peak σ1/σ3 {r:.4}"));
-        let grains = number("grains").map_or(String::new(), |n| format!(" and {n} grains"));
-        (breakage(summary), format!("{} steps of {} points{grains}{ratio}, {seconds} s", count("steps"), count("points")))
+        let present = |key: &&str| number(key).is_some_and(|n| n > 0.0);
+        let parts = ["points", "grains", "blocks"].into_iter().filter(present).map(|key| format!("{} {key}", count(key)));
+        let parts = parts.collect::<Vec<String>>().join(" and ");
+        (breakage(summary), format!("{} steps of {parts}{ratio}, {seconds} s", count("steps")))
     } else {
         let done = format!(
             "{} steps, {} crush events, {} grains from {}, {seconds} s",
@@ -99,4 +101,23 @@ fn breakage(summary: &Value) -> String {
         number("einav_br").map(|b| format!("{b:.3} (Einav)")),
     ];
     parts.into_iter().flatten().collect::<Vec<String>>().join(", ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::json;
+
+    #[test]
+    fn a_run_tells_what_it_has_moved() {
+        let told = |points: u32, grains: u32, blocks: Option<u32>| {
+            let mut summary = json!({ "kind": "mixture", "steps": 7, "points": points, "grains": grains, "wall_seconds": 2.0 });
+            if let Some(blocks) = blocks {
+                summary["blocks"] = json!(blocks);
+            }
+            closing(&summary)
+        };
+        assert_eq!(told(5, 2, None), ["7 steps of 5 points and 2 grains, 2.0 s"]);
+        assert_eq!(told(0, 0, Some(3)), ["7 steps of 3 blocks, 2.0 s"]);
+    }
 }
