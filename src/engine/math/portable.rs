@@ -67,8 +67,13 @@ pub fn sin(angle: f64) -> f64 {
     angle * sum
 }
 
+/// Angle from 0 to π/2, rad, whose tangent is the ratio of two numbers that are not negative and not both zero.
+pub fn angle(opposite: f64, adjacent: f64) -> f64 {
+    if opposite <= adjacent { atan(opposite / adjacent) } else { std::f64::consts::FRAC_PI_2 - atan(adjacent / opposite) }
+}
+
 /// Arc tangent of a number from 0 to 1, rad: four times that of what halving the angle twice leaves, by its Taylor series.
-pub fn atan(tangent: f64) -> f64 {
+fn atan(tangent: f64) -> f64 {
     let half = |t: f64| t / (1.0 + (1.0 + t * t).sqrt());
     let t = half(half(tangent));
     let square = t * t;
@@ -102,6 +107,9 @@ mod tests {
         for k in 0..=1000 {
             let t = 1e-3 * f64::from(k);
             assert!((atan(t) - t.atan()).abs() < 4e-16, "{t}: {:e}", atan(t) - t.atan());
+            for [y, x] in [[t, 1.0], [1.0, t]] {
+                assert!((angle(y, x) - y.atan2(x)).abs() < 4e-16, "{y} {x}: {:e}", angle(y, x) - y.atan2(x));
+            }
         }
     }
 

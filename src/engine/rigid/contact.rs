@@ -503,9 +503,9 @@ fn touch<L: Law>(scene: &BlockScene<'_>, rules: &Rules, bodies: &[PosedBlock<'_>
     let spring = L::VISCOUS.then_some(c.spring);
     let old = ContactHistory { touch: c.touch, spring, rolling: None, load: None, largest: None, work: None };
     let met = across(scene, bodies, c);
-    let gap = if met.is_none() { gap_at(body, bodies, c) } else { 0.0 };
+    let mut gap = 0.0;
     if met.is_none() {
-        c.reference = 0.0;
+        (c.reference, gap) = (0.0, gap_at(body, bodies, c));
     }
     let Some(o) = met.and_then(|o| o.less_born(&mut c.reference)) else {
         if c.touch.overlap > 0.0 {

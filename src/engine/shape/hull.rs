@@ -1,7 +1,7 @@
 //! Convex hulls of corners, enlarged by a sphere: the geometry of rounded polyhedra, and of boxes where they touch other bodies.
 
 use super::Nearest;
-use crate::math::vector::{cross, dot, less, scaled};
+use crate::math::vector::{cross, dot, less, plus, scaled};
 use parry3d_f64::math::{Pose, Vector};
 use parry3d_f64::query::{PointQueryWithLocation, distance, intersection_test};
 use parry3d_f64::shape::{ConvexPolyhedron, Triangle, TrianglePointLocation};
@@ -67,6 +67,17 @@ impl Hull {
             }
         }
         best.1
+    }
+
+    /// At each corner a unit vector that lies between the normals of its faces: along their sum.
+    pub fn outwards(&self) -> Vec<[f64; 3]> {
+        let mut sums = vec![[0.0; 3]; self.corners.len()];
+        for face in &self.faces {
+            for k in face.corners {
+                sums[k as usize] = plus(sums[k as usize], face.normal);
+            }
+        }
+        sums.into_iter().map(|sum| scaled(sum, 1.0 / dot(sum, sum).sqrt())).collect()
     }
 
     /// The ends of each edge, lower index first, in their order, with the normals of its two faces. Lines between triangles of one flat face are left out.

@@ -64,17 +64,13 @@ pub(super) fn triangles(hull: &Hull, fine: u32) -> Mesh {
     let mut mesh = Mesh::default();
     let corner = |k: u32| hull.corners[k as usize];
     let out = |p: [f64; 3], n: [f64; 3]| plus(p, scaled(n, hull.rounding));
-    // sum of the normals around each corner
-    let mut means = vec![[0.0; 3]; hull.corners.len()];
     for face in &hull.faces {
         mesh.add(face.corners.map(|k| out(corner(k), face.normal)), face.normal);
-        for k in face.corners {
-            means[k as usize] = plus(means[k as usize], face.normal);
-        }
     }
     if hull.rounding == 0.0 {
         return mesh;
     }
+    let corner_normals = hull.outwards();
     for ([i, j], [m, n]) in hull.edges() {
         let (p, q) = (corner(i), corner(j));
         let mut arc = vec![m, n];
@@ -88,9 +84,7 @@ pub(super) fn triangles(hull: &Hull, fine: u32) -> Mesh {
             mesh.add([out(p, w[0]), out(q, w[1]), out(p, w[1])], outwards);
         }
         for k in [i, j] {
-            let middle = means[k as usize];
-            let middle = scaled(middle, 1.0 / dot(middle, middle).sqrt());
-            cap(&mut mesh, &|n| out(corner(k), n), [middle, m, n], fine);
+            cap(&mut mesh, &|n| out(corner(k), n), [corner_normals[k as usize], m, n], fine);
         }
     }
     mesh

@@ -4,7 +4,7 @@
 use super::hull::Hull;
 use super::moments::Moments;
 use super::polyhedron::halfway;
-use crate::math::portable::atan;
+use crate::math::portable::angle;
 use crate::math::vector::{cross, dot, less, plus, scaled};
 
 /// Volume, m³, centre, m, and tensor of inertia about it for a density of 1, `[xx, yy, zz, xy, yz, zx]`, m⁵.
@@ -21,8 +21,6 @@ fn moments(hull: &Hull, origin: [f64; 3]) -> Moments {
     let (corner, r) = (|k: u32| less(hull.corners[k as usize], origin), hull.rounding);
     let mut sum = Moments::default();
     let mut add = |part: Moments| sum = sum.plus(&part, 1.0);
-    // sum of the normals around each corner, which lies between them
-    let mut means = vec![[0.0; 3]; hull.corners.len()];
     for face in &hull.faces {
         let corners = face.corners.map(corner);
         add(Moments::of_tetrahedron(corners));
@@ -32,22 +30,18 @@ fn moments(hull: &Hull, origin: [f64; 3]) -> Moments {
             let triangle = Moments::of_simplex(0.5 * dot(across, across).sqrt(), &corners);
             add(triangle.swept_over(&Moments::of_simplex(r, &[[0.0; 3], scaled(face.normal, r)])));
         }
-        for k in face.corners {
-            means[k as usize] = plus(means[k as usize], face.normal);
-        }
     }
     if r == 0.0 {
         return sum;
     }
+    let corner_normals = hull.outwards();
     for ([i, j], [m, n]) in hull.edges() {
         let (p, q) = (corner(i), corner(j));
         let along = less(q, p);
         let edge = Moments::of_simplex(dot(along, along).sqrt(), &[p, q]);
         add(edge.swept_over(&sector(Arc::of(m, n), r)));
         for (k, at) in [(i, p), (j, q)] {
-            let middle = means[k as usize];
-            let middle = scaled(middle, 1.0 / dot(middle, middle).sqrt());
-            add(Moments::of_simplex(1.0, &[at]).swept_over(&cone([middle, m, n], r)));
+            add(Moments::of_simplex(1.0, &[at]).swept_over(&cone([corner_normals[k as usize], m, n], r)));
         }
     }
     sum
@@ -69,9 +63,7 @@ impl Arc {
     fn of(m: [f64; 3], n: [f64; 3]) -> Arc {
         let (chord, sum) = (less(n, m), plus(m, n));
         let (length, twice) = (dot(chord, chord).sqrt(), dot(sum, sum).sqrt());
-        // the tangent of half of the angle, or its inverse
-        let quarter = |t: f64| if t <= 1.0 { atan(t) } else { std::f64::consts::FRAC_PI_2 - atan(1.0 / t) };
-        Arc { middle: halfway(m, n), chord, length, angle: 2.0 * quarter(length / twice) }
+        Arc { middle: halfway(m, n), chord, length, angle: 2.0 * angle(length / twice, 1.0) }
     }
 
     /// Unit normal of its plane, from which it goes round counter-clockwise; 0 where its ends are one.
@@ -101,8 +93,7 @@ fn cone([a, b, c]: [[f64; 3]; 3], r: f64) -> Moments {
     let first = arcs.iter().fold([0.0; 3], |sum, arc| plus(sum, scaled(arc.normal(), 0.5 * arc.angle)));
     // its angle (van Oosterom & Strackee 1983), less than half of the sphere's
     let (above, below) = (dot(a, cross(b, c)), 1.0 + dot(a, b) + dot(b, c) + dot(c, a));
-    let quarter = if above <= below { atan(above / below) } else { std::f64::consts::FRAC_PI_2 - atan(below / above) };
-    let angle = 2.0 * quarter;
+    let angle = 2.0 * angle(above, below);
     let second = std::array::from_fn(|i| {
         std::array::from_fn(|j| {
             let border = |arc: &Arc| {
