@@ -22,15 +22,16 @@ use std::path::{Path, PathBuf};
 const RATIO: &str = "principal_ratio";
 /// A column that only free scenes with grains have.
 const LOWEST: &str = "lowest_grain_mm";
-/// Energies of a free scene: columns and legend entries. `fallen_J` is computed from the potential
-/// energy.
+/// Energies of a free scene: columns and legend entries. [`FALLEN`] is computed from the potential energies.
 const TERMS: [(&str, &str); 5] = [
-    ("kinetic_J", "kinetic"),
-    ("coarse_kinetic_J", "kinetic, of grains"),
-    ("fallen_J", "given by gravity"),
+    ("kinetic_J", "kinetic, of points"),
+    ("coarse_kinetic_J", "kinetic, of grains and bodies"),
+    (FALLEN, "given by gravity"),
     ("stress_work_J", "work of stresses"),
-    ("dissipated_J", "damping, transfer, walls"),
+    ("dissipated_J", "damping, friction, transfer"),
 ];
+/// Loss of the potential energies of points, grains and bodies since the start.
+const FALLEN: &str = "fallen_J";
 /// Columns and legend entries of a mixture's deviatoric stress and of its parts.
 const BEARERS: [(&str, &str); 4] = [
     ("q_kPa", "on the platens"),
@@ -124,10 +125,15 @@ fn against_time(name: &str, run: &Run, y: Axis, lines: Vec<(&str, Vec<f64>)>) ->
     Ok((!plot.series.is_empty()).then_some(plot))
 }
 
+/// Whether a curve shows anything: of what a scene has none of, all numbers are 0.
+fn is_drawn(values: &[f64]) -> bool {
+    values.iter().any(|v| *v != 0.0 && v.is_finite())
+}
+
 fn run_out(run: &Run) -> Result<Option<Plot>> {
     let (Some(front), Some(height)) = (run.column("front_mm")?, run.column("height_mm")?) else { return Ok(None) };
     // without points there is neither
-    if front.iter().chain(&height).all(|x| *x == 0.0 || !x.is_finite()) {
+    if !is_drawn(&front) && !is_drawn(&height) {
         return Ok(None);
     }
     let y = Axis::linear("distance of the front, height (mm)", "length_mm").including(&[0.0]);
@@ -143,8 +149,14 @@ fn bearers(run: &Run) -> Result<Option<Plot>> {
         if branches.is_empty() {
             return Ok(None);
         }
-        let points = branches.into_iter().flat_map(|b| b.points).collect();
-        series.push(Series::line(name, colour::kind(i), colour::dash(i), points));
+        let points: Vec<_> = branches.into_iter().flat_map(|b| b.points).collect();
+        if is_drawn(&points.iter().map(|point| point.1).collect::<Vec<f64>>()) {
+            series.push(Series::line(name, colour::kind(i), colour::dash(i), points));
+        }
+    }
+    // what one kind bears alone is what the platens feel
+    if series.len() < 3 {
+        return Ok(None);
     }
     Ok(Some(Plot {
         name: "stress_bearers".into(),
@@ -192,14 +204,16 @@ fn energies(run: &Run) -> Result<Option<Plot>> {
     let Some(potential) = run.column("potential_J")?.filter(|_| run.history.as_ref().is_some_and(|h| h.has("front_mm"))) else {
         return Ok(None);
     };
-    let start = potential.first().copied().unwrap_or(0.0);
+    let coarse = run.column("coarse_potential_J")?.unwrap_or_else(|| vec![0.0; potential.len()]);
+    let height: Vec<f64> = potential.iter().zip(&coarse).map(|(points, coarse)| points + coarse).collect();
+    let start = height.first().copied().unwrap_or(0.0);
     let mut terms = Vec::new();
     for (column, name) in TERMS {
         let values = match column {
-            "fallen_J" => Some(potential.iter().map(|p| start - p).collect()),
+            FALLEN => Some(height.iter().map(|now| start - now).collect()),
             _ => run.column(column)?,
         };
-        terms.extend(values.map(|v: Vec<f64>| (name, v)));
+        terms.extend(values.filter(|values| is_drawn(values)).map(|values| (name, values)));
     }
     let largest = terms.iter().flat_map(|t| &t.1).filter(|v| v.is_finite()).map(|v| v.abs()).fold(0.0, f64::max);
     if largest <= 0.0 {

@@ -212,6 +212,7 @@ mod tests {
             asked: Vec::new(),
             stages: Vec::new(),
             material: None,
+            plane_strain: false,
             history: None,
         }
     }

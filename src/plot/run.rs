@@ -45,6 +45,8 @@ pub struct Run {
     pub stages: Vec<f64>,
     /// Name of the grains' material.
     pub material: Option<String>,
+    /// Whether nothing moves across one plane (`grid.plane_strain`).
+    pub plane_strain: bool,
     pub history: Option<Table>,
 }
 
@@ -82,6 +84,7 @@ impl Run {
             asked: asked(&resolved),
             stages: stages(&resolved),
             material: resolved.get("material").and_then(|m| m.get("name")?.as_str()).map(str::to_string),
+            plane_strain: resolved.get("grid").and_then(|grid| grid.get("plane_strain")?.as_bool()).unwrap_or(false),
             history,
         };
         if run.d50_mm.is_none() {

@@ -7,7 +7,6 @@ use super::colour;
 use super::curves::title;
 use super::error::Result;
 use super::plot::{Plot, Series, ray};
-use super::run::Run;
 
 /// Largest number of groups for which K0 lines are drawn; more lines would only hide each other.
 const RAYS: usize = 3;
@@ -23,8 +22,8 @@ pub fn plot(input: &Input) -> Result<Option<Plot>> {
     for (i, group) in input.groups.iter().enumerate() {
         let series = group
             .series(&group.label, colour::kind(i), colour::dash(i), false, |run| run.branches(("p_kPa", 1e-3), ("q_kPa", 1e-3)))?;
-        // the stress ratio that a triaxial test reaches is not k0
-        let at_rest = !group.runs.iter().any(Run::is_triaxial);
+        // the stress ratio that a triaxial test reaches is not k0; in plane strain p and q do not give it
+        let at_rest = !group.runs.iter().any(|run| run.is_triaxial() || run.plane_strain);
         if let Some(mut line) = k0_line(&series).filter(|_| at_rest) {
             if !single {
                 line.colour = colour::kind(i);
@@ -40,11 +39,14 @@ pub fn plot(input: &Input) -> Result<Option<Plot>> {
     if input.groups.len() <= RAYS {
         paths.splice(0..0, rays);
     }
+    // with the stress across the plane, or without one (p_kPa of history.csv)
+    let flat = input.groups.iter().flat_map(|group| &group.runs).any(|run| run.plane_strain);
+    let mean = if flat { "mean stress p (MPa)" } else { "mean stress p = (σ_{v} + 2σ_{h})/3 (MPa)" };
     Ok(Some(Plot {
         name: "stress_path".into(),
         title: title(input),
         legend_title: None,
-        x: Axis::linear("mean stress p = (σ_{v} + 2σ_{h})/3 (MPa)", "p_MPa").including(&[0.0]),
+        x: Axis::linear(mean, "p_MPa").including(&[0.0]),
         y: Axis::linear("q = σ_{v} − σ_{h} (MPa)", "q_MPa").including(&[0.0]),
         series: paths,
         equal: true,

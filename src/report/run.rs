@@ -71,9 +71,6 @@ pub fn shown(dir: &Path, name: &str, page: &Path, snapshots: usize) -> Result<Sh
         Some(_) => None,
     };
     let known = summary.clone().unwrap_or(Value::Null);
-    let mut warnings = words::warnings(&known);
-    let outside = known["outside_of_the_method"].as_array().into_iter().flatten();
-    warnings.extend(outside.filter_map(|w| w.as_str().map(str::to_string)));
     let frames = frames::frames(dir, snapshots)?;
     let quality: Vec<Value> = QUALITY
         .iter()
@@ -86,7 +83,7 @@ pub fn shown(dir: &Path, name: &str, page: &Path, snapshots: usize) -> Result<Sh
         "description": scene.as_ref().map(Scene::description).unwrap_or_default(),
         "note": note,
         "closing": if summary.is_some() { words::closing(&known) } else { Vec::new() },
-        "warnings": warnings,
+        "warnings": ([words::warnings(&known), words::doubts(&known)].concat()),
         "sources": sources(&scene),
         "quality": quality,
         "summary": flat(&known),

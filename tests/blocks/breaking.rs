@@ -1,8 +1,7 @@
 //! Rigid bodies that break in two, and walls that move, as a user types them.
 
-use super::typed::{refused, scene};
-use crate::common::typed::{comminute, number, summary};
-use std::path::Path;
+use super::typed::{refused, resumes, run, scene};
+use crate::common::typed::{number, numbers, summary};
 
 /// A cube between two platens, of which the upper one comes down; its strength has no spread.
 const CUBE: &str = r#"
@@ -38,29 +37,14 @@ figures = false
 snapshots = false
 "#;
 
-/// Columns of a table of a run, as numbers.
-fn columns<const N: usize>(run: &Path, file: &str, names: [&str; N]) -> Vec<[f64; N]> {
-    let mut reader = csv::Reader::from_path(run.join(file)).expect(file);
-    let header = reader.headers().expect("header").clone();
-    let at = names.map(|name| header.iter().position(|h| h == name).unwrap_or_else(|| panic!("{file} has no {name}")));
-    reader.records().map(|row| row.expect("row")).map(|row| at.map(|k| row[k].parse().expect("number"))).collect()
-}
-
-fn run(folder: &Path, name: &str, text: &str, more: &[&str]) -> std::path::PathBuf {
-    let out = folder.join(name);
-    comminute("run").arg(scene(folder, text)).args(["--quiet", "--out"]).arg(&out).args(more).assert().success();
-    out
-}
-
 /// It breaks at the force of the criterion with the diameter of the sphere of its volume, its halves at theirs by the power of size, and so on. All mass stays; what the
 /// platen gives is stored, moves, or has gone with the contacts of what broke and with friction.
 #[test]
 fn a_cube_breaks_at_the_force_of_its_size_and_so_do_its_pieces() {
     let folder = tempfile::tempdir().expect("folder");
-    let out = run(folder.path(), "run", CUBE, &[]);
-    let broken = columns(
-        &out,
-        "block_breakage.csv",
+    let out = run(folder.path(), CUBE, "run", &[]);
+    let broken = numbers(
+        &out.join("block_breakage.csv"),
         ["diameter_mm", "force_N", "limit_force_N", "block_mass_g", "piece_mass_g", "stored_J"],
     );
     assert!(broken.len() >= 7, "{}", broken.len());
@@ -78,18 +62,18 @@ fn a_cube_breaks_at_the_force_of_its_size_and_so_do_its_pieces() {
     assert!((broken[1][0] / (sphere / 2.0_f64.cbrt()) - 1.0).abs() < 2e-3, "{}", broken[1][0]);
     let s = summary(&out);
     assert_eq!((number(&s, "crush_events"), number(&s, "blocks")), (broken.len() as f64, broken.len() as f64 + 1.0));
-    let last = columns(&out, "blocks.csv", ["step", "mass_kg", "generation"]);
+    let last = numbers(&out.join("blocks.csv"), ["step", "mass_kg", "generation"]);
     let end = last.last().expect("rows")[0];
     let at_end: Vec<_> = last.iter().filter(|row| row[0] == end).collect();
     let mass: f64 = at_end.iter().map(|row| row[1]).sum();
     assert!(at_end.len() == broken.len() + 1 && (mass / 0.0212 - 1.0).abs() < 1e-8, "{mass}");
     // energy: nothing is made, and little but the broken contacts' is lost
     let stored: f64 = broken.iter().map(|row| row[5]).sum();
-    let history = columns(&out, "history.csv", ["dissipated_J", "platen_work_J"]);
+    let history = numbers(&out.join("history.csv"), ["dissipated_J", "platen_work_J"]);
     let [dissipated, work] = history[history.len() - 1];
     assert!(dissipated > stored && dissipated < stored + 0.05 * work, "{dissipated} {stored} {work}");
     // a sieve that the cube just passes is none that holds its pieces
-    let sieves = columns(&out, "gsd.csv", ["time_s", "diameter_mm", "passing_percent"]);
+    let sieves = numbers(&out.join("gsd.csv"), ["time_s", "diameter_mm", "passing_percent"]);
     let time = sieves.last().expect("rows")[0];
     let passing = |at: f64| {
         let rows = sieves.iter().filter(|row| row[0] == at && row[1] < 19.0);
@@ -102,19 +86,11 @@ fn a_cube_breaks_at_the_force_of_its_size_and_so_do_its_pieces() {
 #[test]
 fn breakages_go_on_to_the_byte() {
     let folder = tempfile::tempdir().expect("folder");
-    let whole = run(folder.path(), "whole", CUBE, &["--threads", "1"]);
-    let steps = columns(&whole, "block_breakage.csv", ["step"]);
-    for (k, stop) in [steps[0][0], steps[0][0] + 1.0, steps[4][0] + 1.0].into_iter().enumerate() {
-        let parts = folder.path().join(format!("parts{k}"));
-        let mut command = comminute("run");
-        command.arg(scene(folder.path(), CUBE)).args(["--quiet", "--out"]).arg(&parts);
-        command.args(["--stop-after", &stop.to_string()]).assert().code(130);
-        comminute("resume").arg(&parts).args(["--threads", "2", "--quiet"]).assert().success();
-        let bytes = |out: &Path, name: &str| std::fs::read(out.join(name)).expect("a file");
-        for name in ["blocks.csv", "block_breakage.csv", "block_surfaces.csv", "walls.csv", "gsd.csv", "history.csv"] {
-            assert!(bytes(&whole, name) == bytes(&parts, name), "{name} after {stop} steps");
-        }
-    }
+    let whole = run(folder.path(), CUBE, "whole", &["--threads", "1"]);
+    let steps = numbers(&whole.join("block_breakage.csv"), ["step"]);
+    let stops = [steps[0][0], steps[0][0] + 1.0, steps[4][0] + 1.0].map(|step| step as u64);
+    let files = ["blocks.csv", "block_breakage.csv", "block_surfaces.csv", "walls.csv", "gsd.csv", "history.csv"];
+    resumes(&whole, &scene(folder.path(), CUBE), &stops, &files);
 }
 
 /// In plane strain the cut goes through the two contacts: a square under a strip of its width breaks into halves, which stand beside each other.
@@ -132,11 +108,11 @@ position_mm = [0.0, 10.001, 0.0]"#;
         .replace("contact.friction = 0.4", "contact.friction = 0.4\nspring = { k_n_N_m = 1e9, k_t_N_m = 5e8 }")
         .replace("[records]", "[grid]\nplane_strain = true\n[contact]\nlaw = \"spring\"\n[records]");
     let folder = tempfile::tempdir().expect("folder");
-    let out = run(folder.path(), "run", &text, &["--set", "duration_s=0.004"]);
-    let broken = columns(&out, "block_breakage.csv", ["normal_x", "normal_y", "block_mass_g", "piece_mass_g", "diameter_mm"]);
+    let out = run(folder.path(), &text, "run", &["--set", "duration_s=0.004"]);
+    let broken = numbers(&out.join("block_breakage.csv"), ["normal_x", "normal_y", "block_mass_g", "piece_mass_g", "diameter_mm"]);
     let [x, y, one, other, d] = broken[0];
     assert!(x.abs() > 1.0 - 1e-9 && y.abs() < 1e-9 && (one / other - 1.0).abs() < 1e-9, "{broken:?}");
-    let [force, limit] = columns(&out, "block_breakage.csv", ["force_N", "limit_force_N"])[0];
+    let [force, limit] = numbers(&out.join("block_breakage.csv"), ["force_N", "limit_force_N"])[0];
     let exact = 50e6 * 20e-3 * 0.13_f64.sin();
     assert!((limit / exact - 1.0).abs() < 1e-6 && force < 1.1 * limit, "{force} {limit} {exact}");
     // the disc of the area 20² − (4 − π) 1² mm²
@@ -149,8 +125,8 @@ position_mm = [0.0, 10.001, 0.0]"#;
 fn a_wall_holds_its_stress_on_a_body() {
     let held = CUBE.replace("crushing.enabled = true\n", "").replace("velocity_m_s = 0.1", "stress_kPa = 500.0\narea_m2 = 4e-4");
     let folder = tempfile::tempdir().expect("folder");
-    let out = run(folder.path(), "run", &held, &["--set", "duration_s=0.01"]);
-    let rows = columns(&out, "walls.csv", ["wall", "force_N", "speed_m_s", "displacement_mm"]);
+    let out = run(folder.path(), &held, "run", &["--set", "duration_s=0.01"]);
+    let rows = numbers(&out.join("walls.csv"), ["wall", "force_N", "speed_m_s", "displacement_mm"]);
     let fastest = rows.iter().map(|row| row[2].abs()).fold(0.0, f64::max);
     let limit = 500e3 / (47e9_f64 * 2650.0).sqrt();
     assert!(fastest <= limit * (1.0 + 1e-8) && fastest > 0.9 * limit, "{fastest} {limit}");
@@ -159,8 +135,8 @@ fn a_wall_holds_its_stress_on_a_body() {
         assert!((last[1] / force - 1.0).abs() < 1e-3, "{last:?}");
     }
     let slow = held.replace("area_m2 = 4e-4", "area_m2 = 4e-4\nmax_velocity_m_s = 0.02");
-    let out = run(folder.path(), "slow", &slow, &["--set", "duration_s=0.01"]);
-    let rows = columns(&out, "walls.csv", ["speed_m_s"]);
+    let out = run(folder.path(), &slow, "slow", &["--set", "duration_s=0.01"]);
+    let rows = numbers(&out.join("walls.csv"), ["speed_m_s"]);
     assert!(rows.iter().all(|[v]| v.abs() <= 0.02) && rows.iter().any(|[v]| *v == 0.02));
 }
 

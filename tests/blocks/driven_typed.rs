@@ -1,7 +1,7 @@
 //! Bodies on paths, pushed, held and joined bodies as a user types them.
 
 use crate::common::typed::{columns, comminute, number, summary};
-use crate::typed::{refused, scene};
+use crate::typed::{refused, resumes, run, scene};
 use predicates::str::contains;
 use std::path::Path;
 
@@ -68,26 +68,12 @@ figures = false
 #[test]
 fn driven_and_joined_blocks_resume_to_the_byte() {
     let folder = tempfile::tempdir().expect("folder");
-    let file = scene(folder.path(), SCENE);
-    let whole = folder.path().join("whole");
-    let run = |out: &Path, more: &[&str]| {
-        let mut command = comminute("run");
-        command.arg(&file).args(["--quiet", "--threads", "1", "--out"]).arg(out).args(more);
-        command.assert()
-    };
-    run(&whole, &[]).success();
+    let whole = run(folder.path(), SCENE, "whole", &["--threads", "1"]);
     let s = summary(&whole);
     assert_eq!((s["joints"].as_u64(), s["joints_broken"].as_u64()), (Some(2), Some(1)), "{s}");
-    let steps = number(&s, "steps") as u64;
+    let stops = [0.1, 0.7].map(|share| (number(&s, "steps") * share) as u64);
+    resumes(&whole, &scene(folder.path(), SCENE), &stops, &["blocks.csv", "joints.csv", "history.csv"]);
     let bytes = |out: &Path, name: &str| std::fs::read(out.join(name)).expect("a file");
-    for (k, share) in [(1, 0.1), (2, 0.7)] {
-        let parts = folder.path().join(format!("parts{k}"));
-        run(&parts, &["--stop-after", &((steps as f64 * share) as u64).to_string()]).code(130);
-        comminute("resume").arg(&parts).args(["--threads", "2", "--quiet"]).assert().success();
-        for name in ["blocks.csv", "joints.csv", "history.csv"] {
-            assert!(bytes(&whole, name) == bytes(&parts, name), "{name} after {share}");
-        }
-    }
     // the resolved scene gives the same run
     let again = folder.path().join("again");
     comminute("run").arg(whole.join("scene.resolved.toml")).args(["--quiet", "--out"]).arg(&again).assert().success();
@@ -127,10 +113,7 @@ fn a_folder_that_is_used_again_keeps_no_table_of_the_run_before() {
     let folder = tempfile::tempdir().expect("folder");
     let out = folder.path().join("out");
     let first = SCENE.replace("duration_s = 0.2", "duration_s = 0.002");
-    let run = |text: &str, more: &[&str]| {
-        comminute("run").arg(scene(folder.path(), text)).args(["--quiet", "--out"]).arg(&out).args(more).assert().success();
-    };
-    run(&first, &[]);
+    run(folder.path(), &first, "out", &[]);
     let stale = ["joints.csv", "walls.csv", "block_breakage.csv"].map(|name| out.join(name));
     assert!(stale[0].exists());
     // as runs with a moving wall and with breakages leave them
@@ -138,7 +121,8 @@ fn a_folder_that_is_used_again_keeps_no_table_of_the_run_before() {
     let [joints, rest] = ["[[joint]]", "[material]"].map(|word| first.find(word).expect("a table"));
     let without = format!("{}{}", &first[..joints], &first[rest..])
         .replace("position_mm = [0.0, 0.0, 30.0]", "position_mm = [0.0, 0.0, 30.5]");
-    run(&without.replace("position_mm = [0.0, 0.0, 70.0]", "position_mm = [0.0, 0.0, 71.0]"), &["--force"]);
+    let higher = without.replace("position_mm = [0.0, 0.0, 70.0]", "position_mm = [0.0, 0.0, 71.0]");
+    run(folder.path(), &higher, "out", &["--force"]);
     for path in stale {
         assert!(!path.exists(), "{}", path.display());
     }
@@ -155,11 +139,8 @@ fn a_path_may_stand_in_a_file() {
     let table = folder.path().join("table.csv");
     std::fs::write(&table, "# a table\ntime_s,z_mm,x_mm,y_m,angle_deg\n0,-20,0,0,0\n0.05,-20,3,0,0\n0.15,-20,-3,0,1\n")
         .expect("file");
-    let outs = [(&written, "one"), (&named, "two")].map(|(text, name)| {
-        let out = folder.path().join(name);
-        comminute("run").arg(scene(folder.path(), text)).args(["--quiet", "--out"]).arg(&out).assert().success();
-        std::fs::read(out.join("blocks.csv")).expect("a table")
-    });
+    let outs = [(&written, "one"), (&named, "two")]
+        .map(|(text, name)| std::fs::read(run(folder.path(), text, name, &[]).join("blocks.csv")).expect("a table"));
     assert!(outs[0] == outs[1]);
     for (text, says) in [
         ("time_s,x_mm,y_mm\n0,0,0\n", "has no column z_mm"),

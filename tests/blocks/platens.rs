@@ -1,9 +1,9 @@
 //! Oedometer and triaxial tests of rigid bodies between platens, without points and with them.
 
 use crate::common::typed::{columns, comminute, number, numbers, summary};
-use crate::typed::{refused, scene};
+use crate::typed::{refused, resumes, run, scene};
 use predicates::str::contains;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// Twenty rubber rocks under a cell pressure.
 const TRIAXIAL: &str = r#"
@@ -93,13 +93,6 @@ comminution = { d50_mm = 23.0, d_limit_over_d50 = 0.5 }
 rows = 40
 figures = false
 "#;
-
-/// Runs a scene as a user types it; its folder.
-fn run(folder: &Path, text: &str, name: &str, more: &[&str]) -> PathBuf {
-    let (file, out) = (scene(folder, text), folder.join(name));
-    comminute("run").arg(file).args(["--quiet", "--out"]).arg(&out).args(more).assert().success();
-    out
-}
 
 /// What holds at every row of a test between platens: the stress of the contacts in the specimen (Love–Weber) is that on its sides, and the void ratio follows from the volume.
 fn holds(out: &Path, [axial, of_contacts]: [&str; 2], within: f64) {
@@ -224,17 +217,9 @@ fn an_oedometer_of_breaking_rocks_resumes_to_the_byte() {
         assert!((row[1] - expected).abs() < 0.002 * (1.0 + rows[0][1]), "{row:?} {expected}");
         assert!((row[3] / rows[0][3] - 1.0).abs() < 1e-12, "{row:?}");
     }
-    let steps = number(&s, "steps");
-    for (name, share) in [("early", 0.1), ("late", 0.8)] {
-        let (file, out) = (scene(folder.path(), OEDOMETER), folder.path().join(name));
-        let stop = ((steps * share) as u64).to_string();
-        comminute("run").arg(file).args(["--quiet", "--threads", "2", "--stop-after", &stop, "--out"]).arg(&out).assert().code(130);
-        comminute("resume").arg(&out).args(["--threads", "1", "--quiet"]).assert().success();
-        for file in ["history.csv", "blocks.csv", "gsd.csv", "block_breakage.csv"] {
-            let bytes = |out: &Path| std::fs::read(out.join(file)).expect(file);
-            assert!(bytes(&whole) == bytes(&out), "{name}: {file}");
-        }
-    }
+    let stops = [0.1, 0.8].map(|share| (number(&s, "steps") * share) as u64);
+    let files = ["history.csv", "blocks.csv", "gsd.csv", "block_breakage.csv"];
+    resumes(&whole, &scene(folder.path(), OEDOMETER), &stops, &files);
 }
 
 #[test]

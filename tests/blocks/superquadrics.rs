@@ -1,9 +1,9 @@
 //! Superquadrics that touch each other, rocks and boxes.
 
-use crate::common::typed::{comminute, number, summary};
+use crate::common::typed::{number, summary};
 use crate::meeting::{hit, rock, turned};
 use crate::scene::{ROUGH, Scene, cuboid};
-use crate::typed::{ROCKS, scene};
+use crate::typed::{ROCKS, resumes, run, scene};
 use comminute::rigid::Block;
 use comminute::rigid::motion::about;
 use comminute::shape::{Cuboid, Shape, Superquadric};
@@ -126,16 +126,7 @@ fn superquadrics_resume_to_the_byte() {
         ),
         1,
     );
-    let file = scene(folder.path(), &text);
-    let [whole, parts] = ["whole", "parts"].map(|name| folder.path().join(name));
-    comminute("run").arg(&file).args(["--quiet", "--threads", "1", "--out"]).arg(&whole).assert().success();
+    let whole = run(folder.path(), &text, "whole", &["--threads", "1"]);
     let steps = number(&summary(&whole), "steps") as u64;
-    let stop = (2 * steps / 3).to_string();
-    let mut command = comminute("run");
-    command.arg(&file).args(["--quiet", "--threads", "1", "--stop-after", &stop, "--out"]).arg(&parts).assert().code(130);
-    comminute("resume").arg(&parts).args(["--threads", "2", "--quiet"]).assert().success();
-    for name in ["blocks.csv", "history.csv"] {
-        let [a, b] = [&whole, &parts].map(|out| std::fs::read(out.join(name)).expect("a file"));
-        assert!(a == b, "{name}");
-    }
+    resumes(&whole, &scene(folder.path(), &text), &[2 * steps / 3], &["blocks.csv", "history.csv"]);
 }

@@ -2,7 +2,7 @@
 
 use crate::common::typed::{comminute, number, summary};
 use predicates::str::contains;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Three rocks and a box that fall on each other; the box is the lid.
 pub const ROCKS: &str = r#"
@@ -57,27 +57,37 @@ pub fn scene(folder: &Path, text: &str) -> String {
     path.to_string_lossy().into_owned()
 }
 
+/// Runs a scene as a user types it; its folder.
+pub fn run(folder: &Path, text: &str, name: &str, more: &[&str]) -> PathBuf {
+    let (file, out) = (scene(folder, text), folder.join(name));
+    comminute("run").arg(file).args(["--quiet", "--out"]).arg(&out).args(more).assert().success();
+    out
+}
+
+/// A run of the scene in `file` that is stopped after any of so many steps, and goes on on two threads, leaves the bytes of the whole run in these files.
+pub fn resumes(whole: &Path, file: &str, stops: &[u64], files: &[&str]) {
+    for stop in stops.iter().map(u64::to_string) {
+        let parts = whole.with_file_name(format!("stopped_after_{stop}"));
+        let mut command = comminute("run");
+        command.arg(file).args(["--quiet", "--threads", "1", "--stop-after", &stop, "--out"]).arg(&parts).assert().code(130);
+        comminute("resume").arg(&parts).args(["--threads", "2", "--quiet"]).assert().success();
+        for name in files {
+            let [a, b] = [whole, &parts].map(|out| std::fs::read(out.join(name)).expect(name));
+            assert!(a == b, "{name} after {stop} steps");
+        }
+    }
+}
+
 /// A scene without points needs no grid; its records tell what bodies press on each other, and a run that was stopped goes on to the same bytes on two threads.
 #[test]
 fn rocks_fall_on_each_other_and_resume_to_the_byte() {
     let folder = tempfile::tempdir().expect("folder");
-    let file = scene(folder.path(), ROCKS);
-    let [whole, parts] = ["whole", "parts"].map(|name| folder.path().join(name));
-    let run = |out: &Path, more: &[&str]| {
-        let mut command = comminute("run");
-        command.arg(&file).args(["--quiet", "--threads", "1", "--out"]).arg(out).args(more);
-        command.assert()
-    };
-    run(&whole, &[]).success();
+    let whole = run(folder.path(), ROCKS, "whole", &["--threads", "1"]);
     let s = summary(&whole);
     assert_eq!((s["blocks"].as_u64(), s["points"].as_u64(), s["grains"].as_u64()), (Some(3), Some(0), Some(1)), "{s}");
     assert!(["bytes_per_point", "point_steps_per_second"].iter().all(|key| s.get(key).is_none()), "{s}");
-    run(&parts, &["--stop-after", &(number(&s, "steps") as u64 / 2).to_string()]).code(130);
-    comminute("resume").arg(&parts).args(["--threads", "2", "--quiet"]).assert().success();
-    let bytes = |out: &Path, name: &str| std::fs::read(out.join(name)).expect("a file");
-    for name in ["blocks.csv", "history.csv", "grains_final.csv"] {
-        assert!(bytes(&whole, name) == bytes(&parts, name), "{name}");
-    }
+    let half = number(&s, "steps") as u64 / 2;
+    resumes(&whole, &scene(folder.path(), ROCKS), &[half], &["blocks.csv", "history.csv", "grains_final.csv"]);
     let mut reader = csv::Reader::from_path(whole.join("blocks.csv")).expect("blocks");
     let header = reader.headers().expect("header").clone();
     let column = |name: &str| header.iter().position(|h| h == name).expect("column");
@@ -142,8 +152,7 @@ fn a_held_body_on_a_wall_has_numbers() {
     ]
     .into_iter()
     .fold(ROCKS.to_string(), |text, (from, to)| text.replace(from, to));
-    let out = folder.path().join("out");
-    comminute("run").arg(scene(folder.path(), &text)).args(["--quiet", "--out"]).arg(&out).assert().success();
+    let out = run(folder.path(), &text, "out", &[]);
     let mut reader = csv::Reader::from_path(out.join("blocks.csv")).expect("blocks");
     let walls = reader.headers().expect("header").iter().position(|h| h == "walls_z_N").expect("column");
     let last = reader.records().map(|r| r.expect("row")).filter(|r| &r[2] == "2").last().expect("a row");

@@ -312,11 +312,13 @@ fn grains_break_on_the_way() {
     }
     let folder = tempfile::tempdir().expect("folder");
     let sets = [&PLAIN[..], &["test.axial_strain=0.0097", "records.rows=1000"]].concat();
-    let outs = ["cpu", "gpu"].map(|backend| {
-        let out = folder.path().join(backend);
-        run(CHAINS, &out, &sets, &["--backend", backend]).assert().success();
-        out
-    });
+    let [cpu, gpu, parts] = ["cpu", "gpu", "parts"].map(|name| folder.path().join(name));
+    // shortly before the first breakage
+    run(CHAINS, &cpu, &sets, &["--stop-after", "600"]).assert().code(130);
+    [&gpu, &parts].into_iter().for_each(|out| copy(&cpu, out));
+    resume(&cpu, &[]).success();
+    resume(&gpu, &["--backend", "gpu"]).success();
+    let outs = [cpu, gpu];
     let rows = outs.each_ref().map(|out| columns(out, ["crush_events", "grains", "coarse_mass_kg", "sigma_v_kPa", "axial_strain"]));
     let last = rows.each_ref().map(|rows| rows[rows.len() - 1]);
     assert_eq!(last[0][..2], last[1][..2]);
@@ -332,8 +334,7 @@ fn grains_break_on_the_way() {
         assert!(after < 0.95 * rows[1][other - 1][3], "{after} kPa after {:?}", rows[1][other - 1]);
     }
     let steps = number(&summary(&outs[1]), "steps") as u64;
-    let parts = folder.path().join("parts");
-    run(CHAINS, &parts, &sets, &["--backend", "gpu", "--stop-after", &(steps * 19 / 20).to_string()]).assert().code(130);
+    resume(&parts, &["--backend", "gpu", "--stop-after", &(steps * 19 / 20).to_string()]).code(130);
     resume(&parts, &[]).success();
     same_files(&outs[1], &parts);
 }

@@ -353,6 +353,7 @@ fn coarse(g: &GrainMeasures, plane: bool) -> Row {
         ("void_ratio_points", g.void_ratio_points.into()),
         ("coarse_mass_kg", (g.mass + g.body_mass).into()),
         ("coarse_kinetic_J", g.kinetic.into()),
+        ("coarse_potential_J", g.potential.into()),
         ("coordination_number", (2.0 * g.touching.grains as f64 / (g.count + g.bodies).max(1) as f64).into()),
         ("platen_contacts", g.touching.walls.into()),
         ("point_contacts", g.touching.points.into()),

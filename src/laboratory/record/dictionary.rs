@@ -211,7 +211,11 @@ const CONTINUUM_HISTORY: &[Column] = &[
     column("principal_ratio", "-", "triaxial: sigma_1 over sigma_3"),
     column("pore_pressure_kPa", "kPa", "triaxial at constant volume: equivalent pore pressure, cell pressure less lateral stress"),
     column("q_kPa", "kPa", "test: deviatoric stress"),
-    column("p_kPa", "kPa", "test: mean stress"),
+    column(
+        "p_kPa",
+        "kPa",
+        "test: mean stress (sigma_1 + 2 sigma_3) / 3; in plane strain with the stress of the points across the plane as the third, without points (sigma_1 + sigma_3) / 2",
+    ),
     column("platen_difference", "-", "test: largest difference of two opposite sides over their mean; small is quasi-static"),
     column(
         "void_ratio",
@@ -229,11 +233,11 @@ const CONTINUUM_HISTORY: &[Column] = &[
         "-",
         "accumulated plastic strain of the points, largest; of cam_clay their plastic compression of volume",
     ),
-    column("kinetic_J", "J", "kinetic energy"),
-    column("potential_J", "J", "potential energy in gravity"),
+    column("kinetic_J", "J", "kinetic energy of the points"),
+    column("potential_J", "J", "potential energy of the points in gravity"),
     column("stress_work_J", "J", "work of the stresses in the points"),
     column("platen_work_J", "J", "work that the platens have done"),
-    column("contact_J", "J", "energy in the platens' contacts since the start"),
+    column("contact_J", "J", "change since the start of the elastic energy in the contacts of platens, grains and rigid bodies"),
     column(
         "driven_work_J",
         "J",
@@ -253,6 +257,7 @@ const CONTINUUM_HISTORY: &[Column] = &[
     column("void_ratio_points", "-", "mixture: pores over solids by the volumes of the points, gaps left out"),
     column("coarse_mass_kg", "kg", "mixture: mass of grains and rigid bodies"),
     column("coarse_kinetic_J", "J", "mixture: kinetic energy of grains and rigid bodies"),
+    column("coarse_potential_J", "J", "mixture: their potential energy in gravity"),
     column(
         "coordination_number",
         "-",

@@ -19,6 +19,7 @@ use crate::record::{account, blocks, checkpoint, contacts, joints, specimen, wal
 use crate::rig::continuum::{Engine, Growing, Grown, Phase, State, growing};
 use engine::boundary::WallShape;
 use engine::check::{self, Checked};
+use engine::coupling::Mixture;
 use engine::mpm::law::Law;
 use engine::mpm::{Dimension, LoadingPlate};
 use serde::{Deserialize, Serialize};
@@ -216,8 +217,10 @@ pub fn run(
 fn prepared(model: &Model, rig: &MpmTest, mut begun: Begun, out: &Path, quiet: bool, stop_after: Option<u64>) -> Result<Outcome> {
     let own = grow(model, rig, &mut begun, out, quiet, stop_after)?;
     let rig = own.as_ref().unwrap_or(rig);
-    records::write_points(&out.join(START), rig, &rig.points, None)?;
-    if let Some(mixture) = &begun.progress.state.mixture {
+    if has_points(&begun.progress.state) {
+        records::write_points(&out.join(START), rig, &rig.points, None)?;
+    }
+    if let Some(mixture) = of_grains(&begun.progress.state) {
         specimen::write(&out.join(GRAINS_START), &mixture.grains.grains, &model.physics.materials, None)?;
     }
     let Progress { state, surfaces, .. } = &mut begun.progress;
@@ -409,10 +412,23 @@ impl Progress {
     }
 }
 
-/// Writes the points and grains at the end.
+/// Whether there are material points, or breakages may bring some.
+fn has_points(state: &State) -> bool {
+    !state.continuum.points().is_empty() || state.mixture.as_ref().is_some_and(|mixture| mixture.fines.is_some())
+}
+
+/// The mixture, if it has grains: breakages leave some.
+fn of_grains(state: &State) -> Option<&Mixture> {
+    state.mixture.as_deref().filter(|mixture| !mixture.grains.grains.is_empty())
+}
+
+/// Writes the points and grains at the end, as far as there are some.
 fn leave(model: &Model, rig: &MpmTest, state: &State, out: &Path) -> Result<()> {
-    if let Some(mixture) = &state.mixture {
+    if let Some(mixture) = of_grains(state) {
         specimen::write_final(&out.join(files::GRAINS_FINAL), &mixture.grains, model, None)?;
+    }
+    if !has_points(state) {
+        return Ok(());
     }
     records::write_points(&out.join(END), rig, state.continuum.points(), Some(&rig.points))
 }
@@ -451,10 +467,12 @@ fn instant(
         return Ok(());
     }
     let failed = vtk::VtkError::at(step);
-    records::write_snapshot(&out.join(files::snapshot_name("step_", step)), facts, &state.continuum)?;
     snapshots.push((state.time, step));
-    vtk::write_collection(&out.join(files::COLLECTION), &files::listed(snapshots, "step_")).map_err(failed)?;
-    if let Some(mixture) = &state.mixture {
+    if has_points(state) {
+        records::write_snapshot(&out.join(files::snapshot_name("step_", step)), facts, &state.continuum)?;
+        vtk::write_collection(&out.join(files::COLLECTION), &files::listed(snapshots, "step_")).map_err(failed)?;
+    }
+    if let Some(mixture) = of_grains(state) {
         let grains = &mixture.grains.grains;
         let stresses = contacts::mean_stresses(grains, &touching);
         let descent = |id| crushed.descent(model, grains, id);

@@ -48,8 +48,7 @@ pub fn closing(summary: &Value) -> Vec<String> {
 /// What a reader of the results must know: the warnings that the run has noted, and those that follow from its numbers.
 pub fn warnings(summary: &Value) -> Vec<String> {
     let number = |key: &str| summary.get(key).and_then(Value::as_f64);
-    let noted = summary["warnings"].as_array().into_iter().flatten();
-    let mut warnings: Vec<String> = noted.filter_map(|w| w.as_str().map(str::to_string)).collect();
+    let mut warnings: Vec<String> = texts(&summary["warnings"]);
     if has_points(summary) {
         if let Some(share) = number("dissipated_share").filter(|share| *share < 0.0) {
             warnings.push(format!("dissipated_share = {share:.3}: more energy came out of the specimen than went in"));
@@ -70,6 +69,17 @@ pub fn warnings(summary: &Value) -> Vec<String> {
         warnings.push(format!("after {rises} breakages more elastic energy was stored around the event than before"));
     }
     warnings
+}
+
+/// Where a continuum or mixture is outside of what its method is known to do, as the command says before the run.
+pub fn doubts(summary: &Value) -> Vec<String> {
+    [&summary["outside_of_the_method"], &summary["viscous"]].into_iter().flat_map(texts).collect()
+}
+
+/// A text, or those of a list.
+fn texts(value: &Value) -> Vec<String> {
+    let all = value.as_array().map_or(std::slice::from_ref(value), Vec::as_slice);
+    all.iter().filter_map(|text| text.as_str().map(str::to_string)).collect()
 }
 
 /// Whether a summary is that of a continuum or a mixture.

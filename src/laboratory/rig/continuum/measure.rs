@@ -99,6 +99,8 @@ pub struct GrainMeasures {
     pub touching: Touching,
     /// Kinetic energy, J.
     pub kinetic: f64,
+    /// Potential energy in gravity, J.
+    pub potential: f64,
     /// Height of the lowest point of a grain, m.
     pub lowest: f64,
     /// Number of grains.
@@ -267,6 +269,7 @@ impl State {
                 shares: m.shares(c, box_volume),
                 touching: m.touching(),
                 kinetic: coarse[0],
+                potential: coarse[1],
                 lowest: g.pos.iter().map(|p| p[2] - p[3]).fold(f64::INFINITY, f64::min),
                 count: g.len(),
                 bodies,
