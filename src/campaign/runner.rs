@@ -290,6 +290,10 @@ fn wait(child: &mut Child, group: bool) -> std::io::Result<(ExitStatus, bool)> {
     let mut asked: Option<Instant> = None;
     loop {
         if let Some(status) = child.try_wait()? {
+            // a shell ends at once, what it has started writes a checkpoint first
+            while group && asked.is_some_and(|since| since.elapsed() < PATIENCE) && still_there(child) {
+                std::thread::sleep(LOOK);
+            }
             return Ok((status, asked.is_some() || stop_asked()));
         }
         match asked {
@@ -312,6 +316,17 @@ fn ask_to_stop(child: &Child, group: bool) {
     // just ended has no effect.
     let pid = Pid::from_raw(child.id() as i32);
     let _ = if group { killpg(pid, Signal::SIGTERM) } else { kill(pid, Signal::SIGTERM) };
+}
+
+/// Whether a process of the group of `child` is still there.
+#[cfg(unix)]
+fn still_there(child: &Child) -> bool {
+    nix::sys::signal::killpg(nix::unistd::Pid::from_raw(child.id() as i32), None).is_ok()
+}
+
+#[cfg(not(unix))]
+fn still_there(_: &Child) -> bool {
+    false
 }
 
 #[cfg(unix)]

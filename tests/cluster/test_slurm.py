@@ -117,7 +117,7 @@ def test_what_goes_wrong_is_told_and_a_second_call_goes_on(command, scene, clust
         running = subprocess.Popen(held, env=cluster.environment, stderr=file)
         wait_for(lambda: "JobHeldUser" in said.read_text())
         job = cluster.call("squeue", "-h", "-o", "%F").split()[0]
-        assert f"{SEEDS} runs submitted to Slurm as job {job}" in said.read_text()
+        assert f"{SEEDS} of {SEEDS} runs submitted to Slurm as job {job}" in said.read_text()
         asked = cluster.call("scontrol", "show", "job", f"{job}_1")
         assert "TimeLimit=00:16:00" in asked and "MinMemoryNode=256M" in asked and "Comment=a" in asked, asked
         cluster.kill_controller()

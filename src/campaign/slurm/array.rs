@@ -159,7 +159,7 @@ mod tests {
         let slurm = dir.path().join("it's here/slurm");
         std::fs::create_dir_all(&slurm).expect("folder");
         let element = |n: &str, line: &str| Element { line: line.into(), out: dir.path().join(n), log: format!("{n}.log").into() };
-        let elements = [element("a", "echo 'b\nc' >&2"), element("d e", "sh -c 'pwd >&2; exit 3'")];
+        let elements = [element("a", "sh -c 'echo \"b\nc\" >&2'"), element("d e", "sh -c 'pwd >&2; exit 3'")];
         let mut array = Array::write(&slurm, &elements, dir.path()).expect("written");
         array.submitted("17".into()).expect("written");
         let again = Array::write(&slurm, &elements[..1], dir.path()).expect("written");

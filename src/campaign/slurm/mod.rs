@@ -214,7 +214,7 @@ impl Crew<'_> {
         let mut array = Array::write(dir, &some.iter().map(element).collect::<Vec<_>>(), &cwd)?;
         match queue::submit(&self.arguments(&array, some.len(), self.needs[first])) {
             Ok(job) => {
-                self.progress.tell(&format!("{} runs submitted to Slurm as job {job}", some.len()));
+                self.progress.tell(&format!("{} of {} runs submitted to Slurm as job {job}", some.len(), runs.len()));
                 array.submitted(job)
             }
             Err(e) => {
