@@ -192,6 +192,9 @@ fn everything_wrong_is_refused_before_anything_runs() {
         (&["ensemble", "scene.toml", "--set", "loading.rate=-1"], "must be > 0"),
         (&["ensemble", "scene.toml", "--data", "none.csv"], "none.csv: no such file"),
         (&["ensemble", "scene.toml", "--jobs", "0"], "0"),
+        (&["ensemble", "scene.toml", "--executor", "hyperqueue"], "[possible values: local, slurm, command]"),
+        (&["ensemble", "scene.toml", "--executor", "command", "--executor-command", "ssh node"], "`ssh node` has no place"),
+        (&["ensemble", "scene.toml", "--executor-options=--mem=1G"], "is only for --executor slurm"),
         (&["sweep", "scene.toml"], "needs at least one --grid"),
         (&["sweep", "scene.toml", "--grid", "loading.rate=0.01,-1"], "loading.rate=-1: must be > 0"),
         (&["sweep", "scene.toml", "--grid", "loading.rat=1"], "did you mean loading.rate?"),
@@ -312,6 +315,53 @@ fn a_killed_run_is_told_by_its_signal_and_goes_on() {
     assert_eq!(changed(&dir, "e/seed-2/scene.resolved.toml"), begun, "it went on from its checkpoint");
     call(&dir, &["run", "scene.toml", "--seed", "2", "--out", "whole/seed-2", "--quiet"], 0);
     same_histories(&dir, "whole", "e", 2..=2);
+}
+
+/// A command of the user's makes the same runs: it is told what each needs, its exit code is the run's, and it is stopped with all that it
+/// has started.
+#[cfg(unix)]
+#[test]
+fn a_command_of_the_users_makes_the_runs() {
+    let dir = folder();
+    let by = |out: &'static str, template: &'static str| {
+        [
+            "ensemble",
+            "scene.toml",
+            "--seeds",
+            "1..4",
+            "--jobs",
+            "2",
+            "--out",
+            out,
+            "--executor",
+            "command",
+            "--executor-command",
+            template,
+        ]
+    };
+    call(&dir, &["ensemble", "scene.toml", "--seeds", "1..4", "--out", "local", "--quiet"], 0);
+    // a connection that is lost before the run begins is not the scene's fault, and nothing of it stays
+    let lost = call(&dir, &by("e", "echo lost connection >&2; exit 255; {command}"), 1);
+    assert!(said(&lost).contains("error: e/seed-3: exit status: 255: lost connection (e/seed-3.log)"), "{}", said(&lost));
+    assert!(said(&lost).contains("4 of 4 runs failed") && !dir.path().join("e/seed-1").exists(), "{}", said(&lost));
+    // a shell in a shell that waits for another one
+    let shells = by("e", "echo {threads} {memory_MB} {minutes} >> asked; sh -c {word} & wait $!");
+    let mut child = under_way(&dir, &shells);
+    signal(&child, "TERM");
+    assert_eq!(child.wait().expect("child").code(), Some(130));
+    let runs: Vec<PathBuf> = (1..=4).map(|k| dir.path().join(format!("e/seed-{k}"))).collect();
+    let kept = |d: &PathBuf| d.join("checkpoint.bin").exists() || d.join("summary.json").exists();
+    // a run writes its history from the end of the preparation
+    assert!(runs.iter().any(kept) && runs.iter().filter(|d| d.join("history.csv").exists()).all(kept));
+    call(&dir, &shells, 0);
+    assert!(
+        text(&dir, "asked").lines().count() >= 4 && text(&dir, "asked").lines().all(|line| line == "1 256 16"),
+        "{}",
+        text(&dir, "asked")
+    );
+    left::assert_same(&left::files(&dir.path().join("local")), &left::files(&dir.path().join("e")), "by a command");
+    let failed = call(&dir, &[&by("f", "{command}")[..], &["--set", "specimen.porosity=0.2"]].concat(), 1);
+    assert!(said(&failed).contains("f/seed-1: step 30001: preparation"), "{}", said(&failed));
 }
 
 /// Three sweeps that are started at the same moment into one folder share its runs, and leave what a single one does. (Whether figures do is

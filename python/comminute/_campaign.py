@@ -116,16 +116,33 @@ def ensemble(
     specimen: File | None = None,
     data: Sequence[File] = (),
     force: bool = False,
+    executor: str | None = None,
+    executor_command: str | None = None,
+    executor_options: str | None = None,
     progress: Progress = None,
 ) -> Ensemble:
     """Runs a scene with several seeds, each in a process of its own, and draws mean and band of every curve: ``comminute ensemble``.
 
     ``vary``: what the seeds choose, ``"both"``, ``"packing"`` or ``"strength"``. ``jobs``: runs at a time; one for each core if not
     given. A second call does only what is left. Runs that fail raise :class:`~comminute.errors.CampaignError` when the others are done.
+    ``executor``: who starts the runs, ``"local"``, ``"slurm"`` (with ``executor_options`` of ``sbatch``) or ``"command"`` (by the shell
+    command ``executor_command``, such as ``"ssh node {word}"``).
     """
     words = ["ensemble", *_scene(scene, out), "--seeds", ",".join(str(seed) for seed in seeds), "--vary", vary]
     words += _files("--data", data)
-    _call(words, out, progress, jobs=jobs, threads=threads, backend=backend, specimen=specimen, force=force)
+    _call(
+        words,
+        out,
+        progress,
+        jobs=jobs,
+        threads=threads,
+        backend=backend,
+        specimen=specimen,
+        force=force,
+        executor=executor,
+        executor_command=executor_command,
+        executor_options=executor_options,
+    )
     return Ensemble(out)
 
 
@@ -137,10 +154,24 @@ def study(
     threads: int | None = None,
     backend: str | None = None,
     force: bool = False,
+    executor: str | None = None,
+    executor_command: str | None = None,
+    executor_options: str | None = None,
     progress: Progress = None,
 ) -> Study:
     """Measures what the choices of a plan (TOML) cost against its reference: ``comminute study``. Arguments as of :func:`ensemble`."""
-    _call(["study", os.fspath(plan)], out, progress, jobs=jobs, threads=threads, backend=backend, force=force)
+    _call(
+        ["study", os.fspath(plan)],
+        out,
+        progress,
+        jobs=jobs,
+        threads=threads,
+        backend=backend,
+        force=force,
+        executor=executor,
+        executor_command=executor_command,
+        executor_options=executor_options,
+    )
     return Study(out)
 
 
@@ -206,6 +237,9 @@ def calibrate_curve(
     jobs: int | None = None,
     threads: int | None = None,
     force: bool = False,
+    executor: str | None = None,
+    executor_command: str | None = None,
+    executor_options: str | None = None,
     progress: Progress = None,
 ) -> Calibration:
     """Parameters of a scene from an oedometer curve, with what the curve leaves open: ``comminute calibrate curve``, whose options these are.
@@ -235,6 +269,9 @@ def calibrate_curve(
         jobs=jobs,
         threads=threads,
         force=force,
+        executor=executor,
+        executor_command=executor_command,
+        executor_options=executor_options,
     )
     return Calibration(out)
 

@@ -65,6 +65,8 @@ def test_a_failing_run_is_told(tmp_path):
 def test_wrong_words_are_refused(tmp_path):
     with pytest.raises(errors.InputError, match="invalid value 'all' for '--vary"):
         comminute.ensemble(COKE, tmp_path / "out", vary="all")
+    with pytest.raises(errors.InputError, match="--executor command: needs --executor-command"):
+        comminute.ensemble(COKE, tmp_path / "out", executor="command")
     with pytest.raises(errors.Error, match="no such file"):
         comminute.study(tmp_path / "plan.toml", tmp_path / "out")
     with pytest.raises(errors.InputError, match="--budget 3: is less than"):

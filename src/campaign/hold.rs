@@ -6,11 +6,11 @@ use laboratory::run::is_at;
 use std::fs::{File, TryLockError};
 use std::path::Path;
 
-/// A lock on a folder. It ends when it is dropped, or when the process ends in whatever way.
+/// A lock on a folder or file. It ends when it is dropped, or when the process ends in whatever way.
 #[derive(Debug)]
 #[must_use = "the folder is free again when this is dropped"]
 pub struct Hold {
-    _folder: Option<File>,
+    _file: Option<File>,
 }
 
 impl Hold {
@@ -20,11 +20,11 @@ impl Hold {
     /// # Errors
     /// [`Error::Busy`] while another campaign has the folder; a folder that cannot be made.
     pub fn take(folder: &Path) -> Result<Hold> {
-        let Some(file) = opened(folder)? else { return Ok(Hold { _folder: None }) };
+        let Some(file) = opened(folder)? else { return Ok(Hold { _file: None }) };
         match file.try_lock() {
             Err(TryLockError::WouldBlock) => Err(Error::Busy { path: folder.into() }),
-            Err(TryLockError::Error(_)) => Ok(Hold { _folder: None }),
-            Ok(()) => Ok(Hold { _folder: Some(file) }),
+            Err(TryLockError::Error(_)) => Ok(Hold { _file: None }),
+            Ok(()) => Ok(Hold { _file: Some(file) }),
         }
     }
 
@@ -34,7 +34,17 @@ impl Hold {
     /// A folder that cannot be made.
     pub fn wait_for(folder: &Path) -> Result<Hold> {
         let file = opened(folder)?;
-        Ok(Hold { _folder: file.filter(|file| file.lock().is_ok()) })
+        Ok(Hold { _file: file.filter(|file| file.lock().is_ok()) })
+    }
+
+    /// Waits until no other process holds the file at `path`, which is made where there is none, and holds it. Network file systems that
+    /// lock files but no folders lock this.
+    ///
+    /// # Errors
+    /// A file that cannot be made.
+    pub fn wait_for_file(path: &Path) -> Result<Hold> {
+        let file = File::options().create(true).append(true).open(path).map_err(Error::write(path))?;
+        Ok(Hold { _file: file.lock().is_ok().then_some(file) })
     }
 }
 

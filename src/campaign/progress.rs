@@ -15,6 +15,8 @@ struct Counts {
     failed: usize,
     running: usize,
     waiting: usize,
+    /// In the queue of a scheduler.
+    queued: usize,
 }
 
 pub struct Progress {
@@ -39,6 +41,11 @@ pub enum Change {
     /// Another process is working on the run.
     Waits,
     WaitsNoMore,
+    /// So many runs are made by a scheduler, and so many wait in its queue.
+    Queue {
+        running: usize,
+        waiting: usize,
+    },
     Done,
     Failed,
 }
@@ -66,6 +73,7 @@ impl Progress {
             Change::Ends => c.running -= 1,
             Change::Waits => c.waiting += 1,
             Change::WaitsNoMore => c.waiting -= 1,
+            Change::Queue { running, waiting } => (c.running, c.queued) = (running, waiting),
             Change::Done => c.done += 1,
             Change::Failed => c.failed += 1,
         }
@@ -81,9 +89,20 @@ impl Progress {
         bar.set_message(line);
     }
 
+    /// Says something of the campaign, unless quiet.
+    pub fn tell(&self, text: &str) {
+        match &self.bar {
+            Some(bar) if self.terminal => bar.println(text),
+            Some(_) => eprintln!("{text}"),
+            None => {}
+        }
+    }
+
     fn line(&self, c: &Counts) -> String {
         let mut line = format!("{} of {} done", c.before + c.done, self.of);
-        for (count, what) in [(c.running, "running"), (c.failed, "failed"), (c.waiting, "waiting for another process")] {
+        for (count, what) in
+            [(c.running, "running"), (c.queued, "in the queue"), (c.failed, "failed"), (c.waiting, "waiting for another process")]
+        {
             if count > 0 {
                 line += &format!(", {count} {what}");
             }

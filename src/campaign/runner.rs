@@ -1,14 +1,16 @@
 //! Works through a list of jobs, a limited number at a time, each as a process of its own.
 
 use super::Job;
+use super::executor::{Executor, Needs, args, line};
 use super::hold;
 use super::memory::at_a_time;
 use super::program::Program;
 use super::progress::{Change, Progress};
+use super::slurm;
 use laboratory::error::{CANNOT_WRITE, Error, Result};
 use laboratory::host;
 use laboratory::interrupt::{listen, stop_asked};
-use laboratory::machine::free_memory;
+use laboratory::machine::{Pace, free_memory};
 use laboratory::run::{Found, look};
 use laboratory::scene::{self, OF_MEMORY};
 use serde_json::Value;
@@ -30,6 +32,8 @@ pub struct Options {
     pub force: bool,
     /// Program that runs the jobs; `None`: the program that is running now.
     pub program: Option<Program>,
+    /// Who starts the runs.
+    pub executor: Executor,
 }
 
 /// Outcome of a job.
@@ -64,6 +68,12 @@ impl Outcome {
             _ => None,
         }
     }
+
+    /// A run that failed for this reason; an error of its own that says that the machine had no room is not the scene's either.
+    pub(crate) fn failed(reason: String, log: PathBuf, outside: bool) -> Outcome {
+        let outside = outside || [CANNOT_WRITE, OF_MEMORY].iter().any(|words| reason.contains(words));
+        Outcome::Failed { reason, log, outside }
+    }
 }
 
 /// Time between two looks at a running process, and at a folder in which another process works.
@@ -80,8 +90,9 @@ const PATIENCE: Duration = Duration::from_secs(60);
 /// Only errors found before anything is started: a scene that is not valid, a run for which there is not enough memory even by
 /// itself, a folder with another run, two jobs with one folder.
 pub fn run(jobs: &[Job], options: &Options) -> Result<Vec<Outcome>> {
-    let free = free_memory();
-    let mut needs = Vec::new();
+    // of this machine; that of others is asked for
+    let free = if options.executor == Executor::Local { free_memory() } else { None };
+    let (pace, mut memory, mut needs) = (Pace::known(), Vec::new(), vec![Needs::default(); jobs.len()]);
     for (i, job) in jobs.iter().enumerate() {
         if jobs[..i].iter().any(|other| other.out == job.out) {
             return Err(Error::input(job.out.display(), "", None, "is the folder of two runs"));
@@ -93,36 +104,41 @@ pub fn run(jobs: &[Job], options: &Options) -> Result<Vec<Outcome>> {
             _ => {}
         }
         scene::fits(&scene, &model, free)?;
-        needs.push(1e6 * scene::estimate(&model, None).memory_mb);
+        let estimate = scene::estimate(&model, pace);
+        memory.push(1e6 * estimate.memory_mb);
+        needs[i] = Needs::of(&estimate, job.threads.unwrap_or(1));
     }
     let program = match &options.program {
         Some(program) => program.clone(),
         None => Program::running()?,
     };
     listen();
+    let progress = Progress::new(jobs.len(), options.quiet);
+    if let Executor::Slurm { folder, options: more } = &options.executor {
+        let (parallel, force) = (options.parallel, options.force);
+        let crew = slurm::Crew { jobs, needs: &needs, program: &program, options: more, parallel, force, progress: &progress };
+        let outcomes = crew.run(folder);
+        progress.finish();
+        return outcomes;
+    }
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     let parallel = if options.parallel == 0 { cores } else { options.parallel };
-    let (parallel, fewer) = at_a_time(&needs, parallel.min(jobs.len()).max(1), free);
+    let (parallel, fewer) = at_a_time(&memory, parallel.min(jobs.len()).max(1), free);
     let host = host::current();
     if let Some(why) = fewer
         && (host.is_some() || !options.quiet)
     {
         host::warn(&why);
     }
-    let crew = Crew {
-        program,
-        threads: (cores / parallel).max(1),
-        force: options.force,
-        progress: Progress::new(jobs.len(), options.quiet),
-    };
+    let crew = Crew { program, threads: (cores / parallel).max(1), force: options.force, executor: &options.executor, progress };
     let next = AtomicUsize::new(0);
     let outcomes = Mutex::new(vec![Outcome::Stopped; jobs.len()]);
     std::thread::scope(|scope| {
         for _ in 0..parallel {
             let work = || loop {
                 let i = next.fetch_add(1, Ordering::Relaxed);
-                let Some(job) = jobs.get(i) else { break };
-                let outcome = crew.work(job);
+                let (Some(job), Some(needs)) = (jobs.get(i), needs.get(i)) else { break };
+                let outcome = crew.work(job, *needs);
                 outcomes.lock().unwrap_or_else(PoisonError::into_inner)[i] = outcome;
             };
             let host = host.clone();
@@ -156,22 +172,24 @@ pub fn close(jobs: &[Job], outcomes: &[Outcome]) -> Result<()> {
 }
 
 /// Data that the workers share.
-struct Crew {
+struct Crew<'a> {
     program: Program,
+    /// Threads of a run of this machine.
     threads: usize,
     force: bool,
+    executor: &'a Executor,
     progress: Progress,
 }
 
-impl Crew {
+impl Crew<'_> {
     /// Works on one job until it has an outcome; waits while another process works on it.
-    fn work(&self, job: &Job) -> Outcome {
+    fn work(&self, job: &Job, needs: Needs) -> Outcome {
         let mut waits = false;
         let outcome = loop {
             if stop_asked() {
                 break Outcome::Stopped;
             }
-            match self.attempt(job) {
+            match self.attempt(job, needs) {
                 Ok(Some(outcome)) => break outcome,
                 Ok(None) if waits => {}
                 Ok(None) => self.progress.update(Change::Waits),
@@ -193,7 +211,7 @@ impl Crew {
     }
 
     /// Takes a finished run as done, else runs the job; `None` while another process works on it.
-    fn attempt(&self, job: &Job) -> Result<Option<Outcome>> {
+    fn attempt(&self, job: &Job, needs: Needs) -> Result<Option<Outcome>> {
         match job.found()? {
             Found::Busy => return Ok(None),
             Found::Finished(summary) => return Ok(Some(Outcome::Done { summary, before: true })),
@@ -208,28 +226,30 @@ impl Crew {
         }
         log.set_len(0).map_err(Error::write(&path))?;
         self.progress.update(Change::Starts);
-        let outcome = self.child(job, &log);
+        let outcome = self.child(job, needs, &log);
         self.progress.update(Change::Ends);
         outcome
     }
 
     /// Runs the job as a process, and reads what that process leaves in the folder and the log.
-    fn child(&self, job: &Job, log: &File) -> Result<Option<Outcome>> {
+    fn child(&self, job: &Job, needs: Needs, log: &File) -> Result<Option<Outcome>> {
         let path = job.log();
-        let mut command = Command::new(&self.program.file);
-        command.args(&self.program.first).args(job.args()).stdin(Stdio::null()).stdout(Stdio::null());
+        let (mut command, group) = match self.executor {
+            Executor::Command(template) => (template.process(&line(&self.program, job, needs.threads, self.force), needs), true),
+            _ => {
+                let mut command = Command::new(&self.program.file);
+                command.args(&self.program.first).args(args(job, self.threads, self.force));
+                (command, false)
+            }
+        };
+        command.stdin(Stdio::null()).stdout(Stdio::null());
         command.stderr(log.try_clone().map_err(Error::write(&path))?);
         command.env("COMMINUTE_SIMD", engine::math::real::name(engine::math::real::arch()));
-        if job.threads.is_none() {
-            command.args(["--threads", &self.threads.to_string()]);
-        }
-        if self.force {
-            command.arg("--force");
-        }
-        let mut child = command.spawn().map_err(Error::read(&self.program.file))?;
+        let program = PathBuf::from(command.get_program());
+        let mut child = command.spawn().map_err(Error::read(&program))?;
         // the command has the log open as well
         drop(command);
-        let (status, stopped) = wait(&mut child).map_err(Error::read(&self.program.file))?;
+        let (status, stopped) = wait(&mut child, group).map_err(Error::read(&program))?;
         let said = std::fs::read_to_string(&path).unwrap_or_default();
         let found = job.found()?;
         if status.success() {
@@ -250,34 +270,38 @@ impl Crew {
             return Ok(None);
         }
         let reason = reason(status, &said);
-        let outside =
-            !of_its_own && status.code() != Some(PANIC) || [CANNOT_WRITE, OF_MEMORY].iter().any(|words| reason.contains(words));
-        Ok(Some(Outcome::Failed { reason, log: path, outside }))
+        // the exit code of a command may be that of something else, which does not speak as a run does
+        let of_the_run = of_its_own && (!group || own_words(&said).is_some());
+        Ok(Some(Outcome::failed(reason, path, !of_the_run && status.code() != Some(PANIC))))
     }
 }
 
 /// Exit code of a program in Rust that has found a fault of its own.
-const PANIC: i32 = 101;
+pub const PANIC: i32 = 101;
 
 /// Removes the log of a run that had nothing to say.
 fn remove_empty(log: &File, path: &PathBuf) -> Result<()> {
     if log.metadata().is_ok_and(|m| m.len() == 0) { std::fs::remove_file(path).map_err(Error::write(path)) } else { Ok(()) }
 }
 
-/// Waits for a process to end, and asks it to stop when this process is asked to. Returns the exit
-/// status, and whether a stop was asked for.
-fn wait(child: &mut Child) -> std::io::Result<(ExitStatus, bool)> {
+/// Waits for a process to end, and asks it to stop when this process is asked to, together with its group if it has one of its own.
+/// Returns the exit status, and whether a stop was asked for.
+fn wait(child: &mut Child, group: bool) -> std::io::Result<(ExitStatus, bool)> {
     let mut asked: Option<Instant> = None;
     loop {
         if let Some(status) = child.try_wait()? {
+            // a shell ends at once, what it has started writes a checkpoint first
+            while group && asked.is_some_and(|since| since.elapsed() < PATIENCE) && still_there(child) {
+                std::thread::sleep(LOOK);
+            }
             return Ok((status, asked.is_some() || stop_asked()));
         }
         match asked {
             None if stop_asked() => {
-                ask_to_stop(child);
+                ask_to_stop(child, group);
                 asked = Some(Instant::now());
             }
-            Some(since) if since.elapsed() > PATIENCE => child.kill()?,
+            Some(since) if since.elapsed() > PATIENCE => kill_all(child, group)?,
             _ => {}
         }
         std::thread::sleep(LOOK);
@@ -285,28 +309,56 @@ fn wait(child: &mut Child) -> std::io::Result<(ExitStatus, bool)> {
 }
 
 #[cfg(unix)]
-fn ask_to_stop(child: &Child) {
-    use nix::sys::signal::{Signal, kill};
+fn ask_to_stop(child: &Child, group: bool) {
+    use nix::sys::signal::{Signal, kill, killpg};
     use nix::unistd::Pid;
     // The process has not been waited for, so its id is still valid; a signal to a process that has
     // just ended has no effect.
-    let _ = kill(Pid::from_raw(child.id() as i32), Signal::SIGTERM);
+    let pid = Pid::from_raw(child.id() as i32);
+    let _ = if group { killpg(pid, Signal::SIGTERM) } else { kill(pid, Signal::SIGTERM) };
+}
+
+/// Whether a process of the group of `child` is still there.
+#[cfg(unix)]
+fn still_there(child: &Child) -> bool {
+    nix::sys::signal::killpg(nix::unistd::Pid::from_raw(child.id() as i32), None).is_ok()
+}
+
+#[cfg(not(unix))]
+fn still_there(_: &Child) -> bool {
+    false
+}
+
+#[cfg(unix)]
+fn kill_all(child: &mut Child, group: bool) -> std::io::Result<()> {
+    use nix::sys::signal::{Signal, killpg};
+    if group {
+        let _ = killpg(nix::unistd::Pid::from_raw(child.id() as i32), Signal::SIGKILL);
+    }
+    child.kill()
+}
+
+#[cfg(not(unix))]
+fn kill_all(child: &mut Child, _: bool) -> std::io::Result<()> {
+    child.kill()
 }
 
 /// Does nothing: Ctrl-C reaches every process of the console without help.
 #[cfg(not(unix))]
-fn ask_to_stop(_: &Child) {}
+fn ask_to_stop(_: &Child, _: bool) {}
 
 /// Why a process failed: what ended it from outside, its error messages, or its exit status with the last line that it wrote.
 fn reason(status: ExitStatus, said: &str) -> String {
     if let Some(signal) = killed(status) {
         return format!("was killed by {signal}; called again, it goes on from its last checkpoint");
     }
+    own_words(said).unwrap_or_else(|| said.lines().last().map_or(status.to_string(), |line| format!("{status}: {line}")))
+}
+
+/// The error messages of a run in what it wrote; `None` where it wrote none.
+pub fn own_words(said: &str) -> Option<String> {
     let own: Vec<&str> = said.lines().filter_map(|line| line.strip_prefix("error: ")).collect();
-    match own.as_slice() {
-        [] => said.lines().last().map_or(status.to_string(), |line| format!("{status}: {line}")),
-        lines => lines.join("; "),
-    }
+    (!own.is_empty()).then(|| own.join("; "))
 }
 
 /// The signal that ended a process, with who sends it.

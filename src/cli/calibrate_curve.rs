@@ -60,13 +60,16 @@ pub struct Args {
     #[arg(long, value_name = "N", default_value = "1", value_parser = clap::value_parser!(u64).range(1..1_000_000))]
     seed: u64,
 
-    /// Runs at a time; one for each core if not given. Results do not depend on it
+    /// Runs at a time; one for each core if not given, and with Slurm as many as it starts. Results do not depend on it
     #[arg(long, value_name = "N", value_parser = super::threads())]
     jobs: Option<u16>,
 
-    /// Threads of each run; the cores shared out if not given
+    /// Threads of each run; the cores shared out if not given, and 1 with another executor than local
     #[arg(long, value_name = "N", value_parser = super::threads())]
     threads: Option<u16>,
+
+    #[command(flatten)]
+    executor: super::executor::Args,
 
     /// Folder of the calibration and its runs; runs/ and the name of the curve with -calibration if not given
     #[arg(long, value_name = "DIR")]
@@ -86,6 +89,7 @@ pub struct Args {
 }
 
 pub fn call(args: &Args) -> Result<()> {
+    let out = args.out.clone().unwrap_or_else(|| default_out(&args.curve));
     let request = Request {
         scene: args.scene.clone(),
         sets: args.sets.clone(),
@@ -97,9 +101,10 @@ pub fn call(args: &Args) -> Result<()> {
         check: args.check.map(usize::from),
         seed: args.seed,
         specimens: f64::from(args.specimens),
-        out: args.out.clone().unwrap_or_else(|| default_out(&args.curve)),
+        executor: args.executor.of(&out)?,
+        out,
         parallel: args.jobs.map_or(0, usize::from),
-        threads: args.threads.map(usize::from),
+        threads: args.executor.threads(args.threads),
         quiet: args.quiet,
         force: args.force,
     };

@@ -50,13 +50,16 @@ pub struct Args {
     #[arg(long, value_name = "N", default_value = "1", value_parser = clap::value_parser!(u64).range(1..1_000_000))]
     seed: u64,
 
-    /// Runs at a time; one for each core if not given
+    /// Runs at a time; one for each core if not given, and with Slurm as many as it starts
     #[arg(long, value_name = "N", value_parser = super::threads())]
     jobs: Option<u16>,
 
-    /// Threads of each run; the cores shared out if not given
+    /// Threads of each run; the cores shared out if not given, and 1 with another executor than local
     #[arg(long, value_name = "N", value_parser = super::threads())]
     threads: Option<u16>,
+
+    #[command(flatten)]
+    executor: super::executor::Args,
 
     /// Folder of the study
     #[arg(long, value_name = "DIR", default_value = "runs/curve-study")]
@@ -85,7 +88,8 @@ pub fn call(args: &Args) -> Result<()> {
         specimens: 1.0,
         out: args.out.clone(),
         parallel: args.jobs.map_or(0, usize::from),
-        threads: args.threads.map(usize::from),
+        threads: args.executor.threads(args.threads),
+        executor: args.executor.of(&args.out)?,
         quiet: args.quiet,
         force: false,
     };

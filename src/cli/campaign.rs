@@ -8,11 +8,11 @@ use std::path::{Path, PathBuf};
 /// Options of the verbs that make many runs.
 #[derive(Debug, clap::Args)]
 pub struct Options {
-    /// Runs at a time; one for each core if not given
+    /// Runs at a time; one for each core if not given, and with Slurm as many as it starts
     #[arg(long, value_name = "N", value_parser = super::threads())]
     jobs: Option<u16>,
 
-    /// Threads of each run; the cores shared out if not given, and 1 in a list
+    /// Threads of each run; the cores shared out if not given, and 1 in a list and with another executor than local
     #[arg(long, value_name = "N", value_parser = super::threads())]
     threads: Option<u16>,
 
@@ -23,6 +23,9 @@ pub struct Options {
     /// Begin every run with a prepared specimen (specimen.csv of another run) instead of making one; seeds then choose strengths only
     #[arg(long, value_name = "FILE")]
     specimen: Option<PathBuf>,
+
+    #[command(flatten)]
+    executor: super::executor::Args,
 
     /// Print a shell command for each run, one a line, instead of running them; a command skips
     /// what is done already
@@ -89,12 +92,13 @@ impl Options {
         self.specimen.is_some()
     }
 
-    /// Lists or runs the jobs; `None` when they were listed.
-    pub fn run(&self, jobs: &mut [Job]) -> Result<Option<Vec<Outcome>>> {
+    /// Lists or runs the jobs of a campaign in the folder `out`; `None` when they were listed.
+    pub fn run(&self, jobs: &mut [Job], out: &Path) -> Result<Option<Vec<Outcome>>> {
+        let executor = self.executor.of(out)?;
         for file in self.data.iter().chain(&self.specimen) {
             std::fs::File::open(file).map_err(Error::read(file))?;
         }
-        let threads = self.threads.map(usize::from);
+        let threads = self.executor.threads(self.threads);
         for job in &mut *jobs {
             job.threads = threads.or(self.list.then_some(1));
             job.backend = self.backend.into();
@@ -106,8 +110,8 @@ impl Options {
             super::print(&list(jobs, self.force)?)?;
             return Ok(None);
         }
-        let options =
-            campaign::Options { parallel: self.jobs.map_or(0, usize::from), quiet: self.quiet, force: self.force, program: None };
+        let parallel = self.jobs.map_or(0, usize::from);
+        let options = campaign::Options { parallel, quiet: self.quiet, force: self.force, program: None, executor };
         campaign::run(jobs, &options).map(Some)
     }
 

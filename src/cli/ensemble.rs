@@ -61,7 +61,7 @@ pub fn call(args: &Args) -> Result<()> {
     let out = args.out.clone().unwrap_or_else(|| campaign::default_out(&args.scene, "ensemble"));
     let job = |seed: u64| Job::new(&args.scene, out.join(format!("seed-{seed}"))).with(&args.sets).seeded(args.vary.into(), seed);
     let mut jobs: Vec<Job> = seeds.into_iter().map(job).collect();
-    let Some(outcomes) = args.options.run(&mut jobs)? else { return Ok(()) };
+    let Some(outcomes) = args.options.run(&mut jobs, &out)? else { return Ok(()) };
     // tables and figures of two campaigns at once would be written into each other
     let _alone = Hold::wait_for(&out)?;
     let done = campaign::done(&jobs, &outcomes);

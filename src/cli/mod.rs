@@ -14,6 +14,7 @@ mod campaign;
 mod check;
 mod completions;
 mod ensemble;
+mod executor;
 mod man;
 mod new;
 mod plot;

@@ -45,7 +45,7 @@ pub fn call(args: &Args) -> Result<()> {
         let message = format!("matches no run of the plan: {}", names.join(", "));
         return Err(Error::input("--only", "", Some(args.only.join(" ")), message));
     }
-    let Some(outcomes) = args.options.run(&mut jobs)? else { return Ok(()) };
+    let Some(outcomes) = args.options.run(&mut jobs, &out)? else { return Ok(()) };
     let report = args.folders.report(&out);
     args.options.close_with_report((&jobs, &outcomes), &report, 3, || write(&plan, &gather(&plan, &out)?, &report))
 }

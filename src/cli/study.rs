@@ -38,9 +38,9 @@ pub fn call(args: &Args) -> Result<()> {
     }
     // first those whose specimens others begin with
     let (mut jobs, mut rest): (Vec<Job>, Vec<Job>) = jobs.into_iter().partition(|job| job.specimen.is_none());
-    let outcomes = args.options.run(&mut jobs)?;
+    let outcomes = args.options.run(&mut jobs, &out)?;
     rest.retain(|job| job.specimen.as_ref().is_some_and(|file| file.is_file()));
-    let others = if rest.is_empty() { Some(Vec::new()) } else { args.options.run(&mut rest)? };
+    let others = if rest.is_empty() { Some(Vec::new()) } else { args.options.run(&mut rest, &out)? };
     let (Some(mut outcomes), Some(others)) = (outcomes, others) else { return Ok(()) };
     jobs.extend(rest);
     outcomes.extend(others);

@@ -76,7 +76,7 @@ pub fn call(args: &Args) -> Result<()> {
         }
         rows.resize(jobs.len(), point);
     }
-    let Some(outcomes) = args.options.run(&mut jobs)? else { return Ok(()) };
+    let Some(outcomes) = args.options.run(&mut jobs, &out)? else { return Ok(()) };
     // tables and figures of two campaigns at once would be written into each other
     let _alone = Hold::wait_for(&out)?;
     let mut files = vec![table(&out, &jobs, &rows, &outcomes)?];

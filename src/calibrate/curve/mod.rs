@@ -75,6 +75,8 @@ pub struct Request {
     pub parallel: usize,
     /// Threads of each run; `None`: the cores are shared out.
     pub threads: Option<usize>,
+    /// Who starts the runs.
+    pub executor: campaign::Executor,
     /// Show no progress.
     pub quiet: bool,
     /// Use a folder that holds another calibration, which is deleted, or other files; without
@@ -145,6 +147,7 @@ pub fn calibrate(request: &Request, tell: &dyn Fn(&str)) -> Result<Outcome> {
         dir: request.out.clone(),
         parallel: request.parallel,
         threads: request.threads,
+        executor: request.executor.clone(),
         quiet: request.quiet,
     };
     let blocks = target.blocks.iter().map(|b| b.at.len()).collect();

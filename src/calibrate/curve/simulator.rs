@@ -42,6 +42,7 @@ pub struct Runs<'a> {
     pub dir: PathBuf,
     pub parallel: usize,
     pub threads: Option<usize>,
+    pub executor: campaign::Executor,
     pub quiet: bool,
 }
 
@@ -64,6 +65,7 @@ impl Simulator for Runs<'_> {
             // earlier check
             force: wanted.iter().all(|e| e.stage == Stage::Check),
             program: None,
+            executor: self.executor.clone(),
         };
         let outcomes = campaign::run(&jobs, &options)?;
         Ok(jobs

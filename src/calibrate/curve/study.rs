@@ -175,7 +175,8 @@ fn make_targets(plan: &Plan, rows: &[Vec<(String, String)>], target: &Target) ->
             Job { threads: r.threads, ..job }
         })
         .collect();
-    let options = campaign::Options { parallel: r.parallel, quiet: r.quiet, force: false, program: None };
+    let options =
+        campaign::Options { parallel: r.parallel, quiet: r.quiet, force: false, program: None, executor: r.executor.clone() };
     let outcomes = campaign::run(&jobs, &options)?;
     campaign::close(&jobs, &outcomes)?;
     jobs.iter().zip(rows).enumerate().map(|(i, (job, row))| write_target(&folder, i, &job.out, row, target)).collect()

@@ -9,7 +9,7 @@ use serde_json::Value;
 use std::fs::{File, TryLockError};
 use std::io::Write;
 use std::path::Path;
-use std::time::Duration;
+use std::time::{Duration, SystemTime};
 
 /// What a folder holds of the run of a given scene ([`look`]).
 #[derive(Clone, Debug, PartialEq)]
@@ -33,6 +33,11 @@ pub enum Found {
 /// Whether the folder `out` holds a checkpoint, from which its run can be resumed.
 pub fn resumable(out: &Path) -> bool {
     checkpoint::exists(out)
+}
+
+/// When the run in the folder `out` wrote its newest checkpoint; `None` where it has none.
+pub fn last_checkpoint(out: &Path) -> Option<SystemTime> {
+    out.join(checkpoint::FILE).metadata().and_then(|m| m.modified()).ok()
 }
 
 /// Finds out what the folder `out` holds of the run of `scene`.
