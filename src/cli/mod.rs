@@ -14,6 +14,8 @@ mod campaign;
 mod check;
 mod completions;
 mod ensemble;
+mod export;
+mod import;
 mod man;
 mod new;
 mod plot;
@@ -106,6 +108,10 @@ pub enum Verb {
     Plot(plot::Args),
     /// Write a page that shows runs: figures, the specimen in 3D, breakages, provenance
     Report(report::Args),
+    /// Write grains and bodies of a run for other programs
+    Export(export::Args),
+    /// Make the table of grains of a free scene from a file of another program
+    Import(import::Args),
     /// Continue a run that was stopped
     Resume(resume::Args),
     /// Run a scene with several seeds; mean and band of every curve
@@ -138,6 +144,8 @@ impl Verb {
             Verb::Check(args) => check::call(&args),
             Verb::Plot(args) => plot::call(&args),
             Verb::Report(args) => report::call(&args),
+            Verb::Export(args) => export::call(&args),
+            Verb::Import(args) => import::call(&args),
             Verb::Resume(args) => resume::call(args),
             Verb::Ensemble(args) => ensemble::call(&args),
             Verb::Sweep(args) => sweep::call(&args),
