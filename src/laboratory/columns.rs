@@ -59,7 +59,7 @@ enum Column {
     /// A column of the file, as it is.
     Copy(usize),
     /// An expression of columns of the file.
-    Of(Expression, Vec<usize>),
+    Of(Box<Expression>, Vec<usize>),
 }
 
 impl Mapping {
@@ -134,7 +134,7 @@ impl Mapping {
                 header.iter().position(|h| h == of).ok_or_else(missing)
             };
             let places = expression.names().iter().map(place).collect::<Result<Vec<_>>>()?;
-            Ok(Column::Of(expression, places))
+            Ok(Column::Of(Box::new(expression), places))
         };
         self.columns.iter().map(column).collect()
     }
