@@ -86,6 +86,7 @@
 //! | [`campaign`], [`reproduce`], [`study`] | many runs; a paper's runs beside what was published; what a choice costs |
 //! | [`verify`], [`mod@bench`], [`point_test`] | closed forms, speed, a law at one material point |
 //! | [`figure`], [`report`], [`table`] | figures from records; a page that shows runs; tables |
+//! | [`exchange`], [`columns`], [`expression`] | grains and bodies for other programs and from them; tables of others; arithmetic that users write |
 //! | [`command()`], [`call`] | the command line, as a program and as a call |
 //! | [`host`], [`interrupt`] | how a program that makes runs inside itself stops them and is told their progress; Ctrl-C |
 //!
@@ -107,7 +108,9 @@ pub use engine::gpu;
 pub use engine::{
     boundary, breakage, contact, coupling, dem, grains, material, math, mpm, neighbours, parameter, point_contacts, rigid, shape,
 };
-pub use laboratory::{error, gradation, host, interrupt, machine, model, packing, record, rig, run, scene, testing};
+pub use laboratory::{
+    columns, error, exchange, expression, gradation, host, interrupt, machine, model, packing, record, rig, run, scene, testing,
+};
 pub use plot as figure;
 pub use report;
 pub use table;

@@ -349,3 +349,56 @@ fn runs_are_shown_by_a_page() {
     comminute(&["run", "experiments/free/hertz_impact.toml", "--force", "--quiet", "--out", &at("run")]).success();
     assert!(!folder.path().join("run/report.html").exists());
 }
+
+/// Numbers of the columns of a table of grains.
+fn numbers(path: &str, columns: &[&str]) -> Vec<f64> {
+    let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).from_path(path).expect("a table");
+    let header = reader.headers().expect("a header").clone();
+    let at = |name: &&str| header.iter().position(|h| h == *name).unwrap_or_else(|| panic!("{path} has no {name}"));
+    let at: Vec<usize> = columns.iter().map(at).collect();
+    let row = |record: csv::StringRecord| at.iter().map(|k| record[*k].parse().expect("a number")).collect::<Vec<f64>>();
+    reader.records().flat_map(|record| row(record.expect("a row"))).collect()
+}
+
+#[test]
+fn grains_go_to_other_programs_and_come_back() {
+    let folder = folder();
+    let at = |name: &str| folder.path().join(name).display().to_string();
+    comminute(&["run", "experiments/free/hertz_impact.toml", "--quiet", "--out", &at("run")]).success();
+    for (format, name) in [("lammps", "a.data"), ("yade", "a.txt"), ("stl", "a.stl"), ("ply", "a.ply")] {
+        comminute(&["export", &at("run"), "--to", format, "--out", &at(name)]).success().stderr(contains("grains in"));
+    }
+    refused(&["export", &at("run"), "--to", "yade", "--out", &at("a.txt")], "is there already");
+    refused(&["export", &at("run"), "--to", "stl", "--triangles", "7", "--out", &at("b.stl")], "must be one of 20, 80");
+    refused(&["export", &at("run"), "--to", "stl", "--snapshot", "9999", "--out", &at("b.stl")], "snapshot = 9999: must be 0 to");
+    let places = ["x_m", "y_m", "z_m", "r_m"];
+    let moving = ["vx_m_s", "vy_m_s", "vz_m_s", "wx_rad_s", "wy_rad_s", "wz_rad_s"];
+    comminute(&["import", &at("a.data"), "--out", &at("lammps.csv")]).success();
+    comminute(&["import", &at("a.txt"), "--out", &at("yade.csv")]).success();
+    let [last, lammps, yade] = ["run/grains_final.csv", "lammps.csv", "yade.csv"].map(&at);
+    assert_eq!(numbers(&lammps, &places), numbers(&last, &places));
+    assert_eq!(numbers(&lammps, &moving), numbers(&last, &moving));
+    assert_eq!(numbers(&yade, &places), numbers(&last, &places));
+    let grains = numbers(&last, &["r_m"]).len() as u64;
+    assert_eq!(fs::metadata(at("a.stl")).expect("a file").len(), 84 + 50 * 80 * grains);
+
+    comminute(&["export", &at("run"), "--to", "paraview", "--out", &at("small")]).success().stderr(contains("snapshots.pvd"));
+    refused(&["export", &at("run"), "--to", "paraview", "--force", "--out", &at("run")], "is the folder of a run");
+    refused(&["export", &at("run"), "--to", "paraview", "--fields", "colour", "--out", &at("other")], "colour: no snapshot has it");
+    for entry in fs::read_dir(at("small/snapshots")).expect("snapshots").map(|e| e.expect("an entry")) {
+        let read = |path: std::path::PathBuf| comminute::record::snapshot::Snapshot::read(&path).expect("a snapshot");
+        let (small, whole) = (read(entry.path()), read(folder.path().join("run/snapshots").join(entry.file_name())));
+        let near = |(a, b): (&f64, &f64)| (a - b).abs() < 1e-4;
+        assert!(small.position.as_flattened().iter().zip(whole.position.as_flattened()).all(near));
+        assert_eq!(small.position.len(), whole.position.len());
+    }
+
+    // a table of others, whose columns a file beside it names
+    fs::write(at("packing.csv"), "X (um);Y;Z;D\n1000;0;2000,5;3000\n").expect("written");
+    let columns = "separator = \";\"\ndecimal_comma = true\n[columns]\nx_mm = \"{X (um)}/1000\"\ny_mm = \"Y/1000\"\nz_mm = \"Z/1000\"\nd_mm = \"D/1000\"\n";
+    fs::write(at("packing.columns.toml"), columns).expect("written");
+    let set = format!("grains_csv={:?}", at("packing.csv"));
+    comminute(&["check", "experiments/free/imported_packing.toml", "--set", &set]).success();
+    fs::write(at("packing.csv"), "X (um);Y;Z;D\n1000;0;2000,5;-3000\n").expect("written");
+    refused(&["check", "experiments/free/imported_packing.toml", "--set", &set], "packing.csv line 2: d_mm = -3.0: must be > 0");
+}

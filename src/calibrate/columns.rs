@@ -24,7 +24,8 @@ impl Columns {
         let bytes = laboratory::scene::read_bytes(path)?;
         let wrong = |place: String, message: String| Error::input(format!("{}{place}", path.display()), "", None, message);
         let text = String::from_utf8(bytes).map_err(|_| wrong(String::new(), "is not UTF-8 text".into()))?;
-        let text = text.trim_start_matches('\u{feff}');
+        let text = laboratory::columns::mapped(path, text.trim_start_matches('\u{feff}'))?;
+        let text = text.as_ref();
         let mut reader =
             csv::ReaderBuilder::new().comment(Some(b'#')).flexible(true).trim(csv::Trim::All).from_reader(text.as_bytes());
         let header = reader.headers().map_err(|e| wrong(String::new(), e.to_string()))?;

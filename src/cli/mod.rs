@@ -15,6 +15,8 @@ mod check;
 mod completions;
 mod ensemble;
 mod executor;
+mod export;
+mod import;
 mod man;
 mod new;
 mod plot;
@@ -107,6 +109,10 @@ pub enum Verb {
     Plot(plot::Args),
     /// Write a page that shows runs: figures, the specimen in 3D, breakages, provenance
     Report(report::Args),
+    /// Write grains and bodies of a run for other programs
+    Export(export::Args),
+    /// Make the table of grains of a free scene from a file of another program
+    Import(import::Args),
     /// Continue a run that was stopped
     Resume(resume::Args),
     /// Run a scene with several seeds; mean and band of every curve
@@ -139,6 +145,8 @@ impl Verb {
             Verb::Check(args) => check::call(&args),
             Verb::Plot(args) => plot::call(&args),
             Verb::Report(args) => report::call(&args),
+            Verb::Export(args) => export::call(&args),
+            Verb::Import(args) => import::call(&args),
             Verb::Resume(args) => resume::call(args),
             Verb::Ensemble(args) => ensemble::call(&args),
             Verb::Sweep(args) => sweep::call(&args),

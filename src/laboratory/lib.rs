@@ -4,7 +4,10 @@
 #![deny(missing_docs)]
 
 mod cache;
+pub mod columns;
 pub mod error;
+pub mod exchange;
+pub mod expression;
 pub mod gradation;
 pub mod host;
 pub mod interrupt;

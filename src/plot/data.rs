@@ -39,7 +39,7 @@ impl Measured {
     /// Reads a data file and checks that it has columns to draw. `index` counts the data files;
     /// symbols and colour follow from it.
     pub fn read(path: &Path, index: usize) -> Result<Self> {
-        let table = Table::read(path)?;
+        let table = Table::of_user(path)?;
         let stem = path.file_stem().map_or_else(String::new, |s| s.to_string_lossy().replace('_', " "));
         let label = table.note_text("label").map_or(stem, str::to_string);
         let data = Self { table, label, index };

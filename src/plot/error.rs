@@ -47,6 +47,9 @@ pub enum FigureError {
         /// What is missing or wrong.
         why: String,
     },
+    /// A file of a user is not what it must be.
+    #[error(transparent)]
+    User(Box<laboratory::error::Error>),
     /// The drawing library failed.
     #[error("{path}: could not draw: {message}")]
     Draw {
@@ -71,8 +74,17 @@ impl FigureError {
     }
 }
 
+impl From<laboratory::error::Error> for FigureError {
+    fn from(error: laboratory::error::Error) -> Self {
+        Self::User(Box::new(error))
+    }
+}
+
 impl From<FigureError> for laboratory::error::Error {
     fn from(error: FigureError) -> Self {
+        if let FigureError::User(error) = error {
+            return *error;
+        }
         let input = !matches!(error, FigureError::Io { .. } | FigureError::Draw { .. });
         laboratory::error::Error::Figure { what: error.to_string(), input }
     }

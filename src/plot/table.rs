@@ -23,7 +23,16 @@ impl Table {
         let too_long = || FigureError::io(path, format!("must be at most {} MiB long", LONGEST >> 20));
         let bytes = ::table::read_up_to(path, LONGEST).map_err(|e| FigureError::io(path, e))?.ok_or_else(too_long)?;
         let text = String::from_utf8_lossy(&bytes);
-        let text = text.trim_start_matches('\u{feff}');
+        Self::of_text(path, text.trim_start_matches('\u{feff}'))
+    }
+
+    /// Reads a file of a user, whose columns a file beside it may name ([`laboratory::columns`]).
+    pub fn of_user(path: &Path) -> Result<Self> {
+        let text = laboratory::scene::read_text(path)?;
+        Self::of_text(path, &laboratory::columns::mapped(path, text.trim_start_matches('\u{feff}'))?)
+    }
+
+    fn of_text(path: &Path, text: &str) -> Result<Self> {
         let comments = text
             .lines()
             .filter_map(|l| l.trim().strip_prefix('#')?.split_once('='))

@@ -83,6 +83,7 @@ const MOST_SERIES: usize = 1000;
 /// The message says what is allowed, or what cannot be estimated and why.
 pub fn read(path: &Path) -> Result<Data> {
     let text = read_text(path)?;
+    let text = laboratory::columns::mapped(path, &text)?;
     let mut reader = csv::ReaderBuilder::new()
         .comment(Some(b'#'))
         .trim(csv::Trim::All)

@@ -1,41 +1,11 @@
 //! Numbers and curves that a plan reads from the tables of its runs: an expression of columns, in the rows that are chosen.
 
-use exmex::{Express, FlatEx, FloatOpsFactory, MatchLiteral, literal_matcher_from_pattern};
 use laboratory::error::{Error, Result};
+pub use laboratory::expression::Expression;
 use plot::Table;
 use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::path::Path;
-
-literal_matcher_from_pattern!(Numerals, r"^[0-9]+(\.[0-9]+)?([eE][-+]?[0-9]+)?");
-
-/// An expression of the columns of a table, such as `1 - (vx_m_s/0.02)^2`, with the operators and functions of `exmex`.
-#[derive(Clone, Debug, Deserialize)]
-#[serde(try_from = "String")]
-pub struct Expression(FlatEx<f64, FloatOpsFactory<f64>, Numerals>);
-
-impl TryFrom<String> for Expression {
-    type Error = String;
-
-    fn try_from(text: String) -> std::result::Result<Expression, String> {
-        let parsed = FlatEx::parse(&text).map_err(|e| format!("`{text}` is no expression: {}", e.msg()))?;
-        Ok(Expression(parsed))
-    }
-}
-
-impl Expression {
-    /// Its value for each of the values of `name`.
-    ///
-    /// # Errors
-    /// An expression of anything but this name, in words.
-    pub fn along(&self, name: &str, values: impl Iterator<Item = f64>) -> std::result::Result<Vec<(f64, f64)>, String> {
-        if let Some(other) = self.0.var_names().iter().find(|n| *n != name) {
-            return Err(format!("must be an expression of {name}; `{other}` is not known"));
-        }
-        let at = |x: f64| self.0.eval(&vec![x; self.0.var_names().len()]).map_err(|e| e.msg().to_string());
-        values.map(|x| Ok((x, at(x)?))).collect()
-    }
-}
 
 /// Rows of a table in a run's folder.
 #[derive(Clone, Debug, Deserialize)]
@@ -86,7 +56,7 @@ impl Rows {
     pub fn read<const N: usize>(&self, folder: &Path, of: [&Expression; N]) -> Result<Vec<(f64, [f64; N])>> {
         let path = folder.join(&self.table);
         let table = Table::read(&path)?;
-        let columns = |e: &Expression| e.0.var_names().iter().map(|name| table.numbers(name)).collect::<plot::Result<Vec<_>>>();
+        let columns = |e: &Expression| e.names().iter().map(|name| table.numbers(name)).collect::<plot::Result<Vec<_>>>();
         let columns = of.map(columns).into_iter().collect::<plot::Result<Vec<_>>>()?;
         let timed = table.has("time_s") || self.during_s.is_some();
         let times = if timed { table.numbers("time_s")? } else { vec![0.0; table.len()] };
@@ -102,8 +72,7 @@ impl Rows {
             let mut values = [0.0; N];
             for ((value, expression), columns) in values.iter_mut().zip(of).zip(&columns) {
                 let cells: Vec<f64> = columns.iter().map(|column| column[row]).collect();
-                let failed = |e: exmex::ExError| Error::input(path.display(), "", None, e.msg().to_string());
-                *value = expression.0.eval(&cells).map_err(failed)?;
+                *value = expression.value(&cells).map_err(|e| Error::input(path.display(), "", None, e))?;
             }
             out.push((times[row], values));
         }
@@ -156,19 +125,5 @@ mod tests {
         assert_eq!(Take::Last.of(&[]), None);
         let lacks = second.read(dir.path(), [&expression("w")]).expect_err("no such column");
         assert!(lacks.to_string().contains("no column `w`"), "{lacks}");
-    }
-
-    #[test]
-    fn what_is_no_expression_is_refused_where_it_is_read() {
-        #[derive(Debug, Deserialize)]
-        struct Holder {
-            #[allow(dead_code)]
-            value: Expression,
-        }
-        let error = toml::from_str::<Holder>("value = \"1 +\"").expect_err("no expression").to_string();
-        assert!(error.contains("`1 +` is no expression"), "{error}");
-        let line = expression("2*x");
-        assert_eq!(line.along("x", [1.0, 2.0].into_iter()), Ok(vec![(1.0, 2.0), (2.0, 4.0)]));
-        assert!(line.along("y", [1.0].into_iter()).expect_err("other name").contains("`x` is not known"));
     }
 }

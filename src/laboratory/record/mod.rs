@@ -8,6 +8,7 @@ pub(crate) mod block_breakages;
 pub(crate) mod blocks;
 pub(crate) mod breakages;
 pub(crate) mod checkpoint;
+pub(crate) mod compact;
 pub mod contacts;
 pub(crate) mod continuum;
 pub(crate) mod crushed;

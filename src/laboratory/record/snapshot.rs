@@ -1,7 +1,9 @@
 //! Snapshots read back: the numbers of the `.vtp` files and the entries of the `.pvd` lists that runs leave for ParaView.
 
+use super::compact;
 use crate::error::{Error, Result};
 use crate::run::SNAPSHOTS;
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::path::{Component, Path};
 
@@ -65,6 +67,7 @@ fn halves(file: &[u8]) -> std::result::Result<(&str, &[u8]), String> {
 
 fn parse(file: &[u8]) -> std::result::Result<Snapshot, String> {
     let (head, numbers) = halves(file)?;
+    let packed = head.contains(compact::COMPRESSOR);
     let mut found = Snapshot::default();
     let mut ends = Vec::new();
     let mut section = "";
@@ -86,8 +89,12 @@ fn parse(file: &[u8]) -> std::result::Result<Snapshot, String> {
             continue;
         }
         let whole = |key: &str| word(key)?.parse::<usize>().map_err(|_| format!("{key} of {name} is no number"));
-        let values = decode(word("type")?, blob(numbers, whole("offset")?).ok_or_else(|| format!("{name} is cut short"))?)
-            .ok_or_else(|| format!("{name} is of another kind"))?;
+        let (offset, cut) = (whole("offset")?, || format!("{name} is cut short"));
+        let bytes = match packed {
+            true => Cow::Owned(compact::unpack(numbers.get(offset..).ok_or_else(cut)?).ok_or_else(cut)?),
+            false => Cow::Borrowed(blob(numbers, offset).ok_or_else(cut)?),
+        };
+        let values = decode(word("type")?, &bytes).ok_or_else(|| format!("{name} is of another kind"))?;
         match (section, name) {
             ("Points", _) => found.position = values.as_chunks::<3>().0.to_vec(),
             ("Polys", "connectivity") => ends = values,
@@ -120,14 +127,18 @@ fn decode(kind: &str, bytes: &[u8]) -> Option<Vec<f64>> {
         let (chunks, rest) = bytes.as_chunks::<8>();
         rest.is_empty().then(|| chunks.iter().map(|c| of(*c)).collect())
     };
+    let four = |of: fn([u8; 4]) -> f64| {
+        let (chunks, rest) = bytes.as_chunks::<4>();
+        rest.is_empty().then(|| chunks.iter().map(|c| of(*c)).collect())
+    };
     match kind {
         "Float64" => eight(f64::from_le_bytes),
         "Int64" => eight(|b| i64::from_le_bytes(b) as f64),
         "UInt64" => eight(|b| u64::from_le_bytes(b) as f64),
-        "UInt32" => {
-            let (chunks, rest) = bytes.as_chunks::<4>();
-            rest.is_empty().then(|| chunks.iter().map(|c| f64::from(u32::from_le_bytes(*c))).collect())
-        }
+        "UInt32" => four(|b| f64::from(u32::from_le_bytes(b))),
+        "Int32" => four(|b| f64::from(i32::from_le_bytes(b))),
+        "Float32" => four(|b| f64::from(f32::from_le_bytes(b))),
+        "UInt8" => Some(bytes.iter().map(|b| f64::from(*b)).collect()),
         _ => None,
     }
 }

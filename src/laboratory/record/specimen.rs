@@ -85,7 +85,7 @@ fn save(path: &Path, g: &Grains, materials: &[Material], notes: &str, moving: bo
 }
 
 /// A text as a field of a CSV row: in quotes where it holds a comma, a quote or a line break.
-fn quoted(text: &str) -> Cow<'_, str> {
+pub fn quoted(text: &str) -> Cow<'_, str> {
     if text.contains([',', '"', '\n', '\r']) {
         Cow::Owned(format!("\"{}\"", text.replace('"', "\"\"")))
     } else {

@@ -202,7 +202,8 @@ pub fn write_surfaces(
     let ends: Vec<u8> = triangles.as_flattened().iter().flat_map(|&k| i64::from(k).to_le_bytes()).collect();
     xml += &arrays.add("Int64", "connectivity", 1, ends);
     xml += &arrays.add("Int64", "offsets", 1, (1..=n as i64).flat_map(|k| (3 * k).to_le_bytes()).collect());
-    xml += "</Polys>\n</Piece>\n</PolyData>\n<AppendedData encoding=\"raw\">\n_";
+    xml += "</Polys>\n";
+    xml += END;
     arrays.write(path, &xml)
 }
 
@@ -225,21 +226,27 @@ pub fn write_collection(path: &Path, snapshots: &[(f64, String)]) -> Result<(), 
 
 /// The binary arrays of a file, in the order of their offsets.
 #[derive(Default)]
-struct Arrays {
-    blobs: Vec<Vec<u8>>,
+pub(super) struct Arrays {
+    /// What stands before each array, and its bytes.
+    blobs: Vec<(Vec<u8>, Vec<u8>)>,
     offset: usize,
 }
 
 impl Arrays {
-    /// Adds an array and returns the line that declares it.
+    /// Adds an array as it is and returns the line that declares it.
     fn add(&mut self, kind: &str, name: &str, components: usize, blob: Vec<u8>) -> String {
+        self.put(kind, name, components, (blob.len() as u64).to_le_bytes().to_vec(), blob)
+    }
+
+    /// Adds the bytes of an array, as its file has them, behind their `head`, and returns the line that declares it.
+    pub(super) fn put(&mut self, kind: &str, name: &str, components: usize, head: Vec<u8>, blob: Vec<u8>) -> String {
         let line = format!(
             "<DataArray type=\"{kind}\" Name=\"{name}\" NumberOfComponents=\"{components}\" format=\"appended\" \
              offset=\"{}\"/>\n",
             self.offset
         );
-        self.offset += 8 + blob.len();
-        self.blobs.push(blob);
+        self.offset += head.len() + blob.len();
+        self.blobs.push((head, blob));
         line
     }
 
@@ -251,16 +258,18 @@ impl Arrays {
         xml += "</Points>\n<Verts>\n";
         xml += &self.add("Int64", "connectivity", 1, counting(0, n));
         xml += &self.add("Int64", "offsets", 1, counting(1, n));
-        xml += "</Verts>\n</Piece>\n</PolyData>\n<AppendedData encoding=\"raw\">\n_";
+        xml += "</Verts>\n";
+        xml += END;
         xml
     }
 
-    fn write(&self, path: &Path, xml: &str) -> Result<(), VtkError> {
+    /// Writes the file with its XML before the arrays.
+    pub(super) fn write(&self, path: &Path, xml: &str) -> Result<(), VtkError> {
         let write = || -> io::Result<()> {
             let mut out = BufWriter::new(table::create(path)?);
             out.write_all(xml.as_bytes())?;
-            for blob in &self.blobs {
-                out.write_all(&(blob.len() as u64).to_le_bytes())?;
+            for (head, blob) in &self.blobs {
+                out.write_all(head)?;
                 out.write_all(blob)?;
             }
             out.write_all(b"\n</AppendedData>\n</VTKFile>\n")?;
@@ -270,15 +279,23 @@ impl Arrays {
     }
 }
 
+/// What stands between the last array of the XML and the bytes.
+pub(super) const END: &str = "</Piece>\n</PolyData>\n<AppendedData encoding=\"raw\">\n_";
+
 fn head(facts: &[Fact], points: usize, vertices: usize, triangles: usize) -> String {
-    let one = |(name, value): &Fact| {
+    head_with("", facts, points, vertices, triangles)
+}
+
+/// The XML up to the first array; `compressor`: the attribute that says how bytes are packed, with a blank before it.
+pub(super) fn head_with(compressor: &str, facts: &[(&str, f64)], points: usize, vertices: usize, triangles: usize) -> String {
+    let one = |(name, value): &(&str, f64)| {
         format!("<DataArray type=\"Float64\" Name=\"{name}\" NumberOfTuples=\"1\" format=\"ascii\">{value:?}</DataArray>\n")
     };
     let known: String = facts.iter().filter(|(_, value)| value.is_finite()).map(one).collect();
     let known = if known.is_empty() { known } else { format!("<FieldData>\n{known}</FieldData>\n") };
     format!(
         "<?xml version=\"1.0\"?>\n<VTKFile type=\"PolyData\" version=\"1.0\" byte_order=\"LittleEndian\" \
-         header_type=\"UInt64\">\n<PolyData>\n{known}<Piece NumberOfPoints=\"{points}\" NumberOfVerts=\"{vertices}\" NumberOfLines=\"0\" \
+         header_type=\"UInt64\"{compressor}>\n<PolyData>\n{known}<Piece NumberOfPoints=\"{points}\" NumberOfVerts=\"{vertices}\" NumberOfLines=\"0\" \
          NumberOfStrips=\"0\" NumberOfPolys=\"{triangles}\">\n"
     )
 }

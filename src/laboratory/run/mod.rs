@@ -30,7 +30,9 @@ use engine::check::{self, Checked, ensure};
 use engine::dem::{State, Workspace};
 use engine::grains::Grains;
 use files::Files;
-pub use files::{BLOCKS, COLLECTION, DRAWING, DRAWN, FAILED, FIGURES, FINES, GRAINS, REPORT, SNAPSHOTS, SUMMARY, WALLS, occupied};
+pub use files::{
+    BLOCKS, COLLECTION, DRAWING, DRAWN, FAILED, FIGURES, FINES, GRAINS, GRAINS_FINAL, REPORT, SNAPSHOTS, SUMMARY, WALLS, occupied,
+};
 pub use folder::{Found, Lock, is_at, last_checkpoint, lock, look, resumable};
 pub use of_scene::{SceneOptions, Word, run_scene};
 use progress_bar::Bar;

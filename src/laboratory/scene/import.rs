@@ -4,6 +4,7 @@
 use super::files::{bounded_columns, read_text};
 use super::layers::{Layer, Origin};
 use super::suggest::nearest;
+use crate::columns::mapped;
 use crate::error::{Error, Result};
 use std::path::Path;
 use toml::{Table, Value};
@@ -25,7 +26,7 @@ enum Column {
 const IGNORED: [&str; 4] = ["generation", "lineage", "id", "strength_MPa"];
 const LENGTHS: [(&str, f64); 3] = [("", 1.0), ("_m", 1.0), ("_mm", 1e-3)];
 /// Most grains of a file: as many as a scene can list, each with 25 signs between its values.
-const MOST: usize = super::files::MOST_VALUES / 14;
+pub const MOST: usize = super::files::MOST_VALUES / 14;
 const NEEDED: &str = "x_m, y_m, z_m and r_m (or _mm; without a unit: m)";
 
 /// Replaces the key `grains_csv` of a free scene by the list `grain` that its file holds. Other scenes are left as they are.
@@ -57,7 +58,8 @@ pub fn grains(layer: &mut Layer) -> Result<()> {
 /// The grains of the file, each as an entry of `[[grain]]`.
 fn read(path: &Path) -> Result<Vec<Value>> {
     let text = read_text(path)?;
-    let text = text.strip_prefix('\u{feff}').unwrap_or(&text);
+    let text = mapped(path, text.strip_prefix('\u{feff}').unwrap_or(&text))?;
+    let text = text.as_ref();
     let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).trim(csv::Trim::All).from_reader(text.as_bytes());
     let broken = |e: csv::Error| Error::input(at(path, text, e.position()), "", None, cause(&e));
     let header = reader.headers().map_err(broken)?;

@@ -8,7 +8,7 @@ use std::path::Path;
 use toml::{Table, Value};
 
 /// Vertices, in the unit of the file, and the triangles that they make.
-type Triangles = (Vec<[f64; 3]>, Vec<[u32; 3]>);
+pub type Triangles = (Vec<[f64; 3]>, Vec<[u32; 3]>);
 
 /// Characters of a line that a message shows.
 const SHOWN: usize = 60;
@@ -93,7 +93,7 @@ fn text(bytes: &[u8]) -> std::result::Result<&str, String> {
 }
 
 /// STL: binary where its length is what its number of triangles says, else text if it begins as such.
-fn stl(bytes: &[u8]) -> std::result::Result<Triangles, String> {
+pub fn stl(bytes: &[u8]) -> std::result::Result<Triangles, String> {
     let count = bytes.get(HEAD - 4..HEAD).map(|n| u32::from_le_bytes([n[0], n[1], n[2], n[3]]) as usize);
     match count {
         Some(count) if bytes.len() == HEAD + TRIANGLE * count => binary(bytes, count),

@@ -1,6 +1,7 @@
 //! Tables of numbers from CSV files: columns are found by their names, which say the unit. Lines that begin with `#` are comments.
 
 use super::files::{bounded_columns, read_text};
+use crate::columns::mapped;
 use crate::error::{Error, Result};
 use std::path::Path;
 
@@ -46,8 +47,15 @@ impl<const N: usize> Format<'_, N> {
     /// # Errors
     /// A file that cannot be read; unknown, missing and repeated columns; what is no finite number; no rows, and too many.
     pub fn read(&self, path: &Path) -> Result<Table<N>> {
-        let text = read_text(path)?;
-        let text = text.strip_prefix('\u{feff}').unwrap_or(&text);
+        self.of_text(path, &mapped(path, &read_text(path)?)?)
+    }
+
+    /// The table of the text of the file `path`.
+    ///
+    /// # Errors
+    /// Those of [`Format::read`], but for a file that cannot be read.
+    pub fn of_text(&self, path: &Path, text: &str) -> Result<Table<N>> {
+        let text = text.strip_prefix('\u{feff}').unwrap_or(text);
         let wrong = |key: &str, message: String| Error::input(path.display(), key, None, message);
         let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).trim(csv::Trim::All).from_reader(text.as_bytes());
         let broken = |e: csv::Error| wrong("", e.to_string());
