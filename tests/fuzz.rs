@@ -16,7 +16,7 @@ use comminute::calibrate::{curve::target, grains};
 use comminute::campaign::{grid_points, grid_table, parse_seeds};
 use comminute::error::Result;
 use comminute::material::Material;
-use comminute::{record, reproduce, scene, study};
+use comminute::{columns, exchange, record, reproduce, scene, study};
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
@@ -404,6 +404,25 @@ fn targets() -> Vec<Target> {
                 let scene = std::fs::read_to_string(at.parent().expect("a folder").join("with_mesh.toml")).expect("a scene");
                 check(&scene.replace("mesh.stl", &name), f.folder.path(), &[])
             },
+        ),
+        target("exchange", 1500, own("exchange"), &["Atoms", "Velocities", "atoms", "atom types", "#"], |f, at, bytes| {
+            let path = f.file("grains", bytes);
+            match at.extension().is_some_and(|e| e == "data") {
+                true => exchange::read_lammps(&path, 1.0).map(|_| ()),
+                false => exchange::read_yade(&path, 1.0).map(|_| ()),
+            }
+        }),
+        target("columns", 1500, own("columns"), &COLUMNS, |f, _, bytes| {
+            f.file("test.columns.toml", bytes);
+            let table = "Oedometer;;\n# label = Sand 7\nSig_v [MPa];e;Versuch\nMPa;-;-\n0,5;0,81;A, dicht\n\n1;;B\n";
+            columns::mapped(&f.folder.path().join("test.csv"), table).map(|_| ())
+        }),
+        target(
+            "snapshot",
+            1500,
+            own("snapshot"),
+            &["<DataArray", "offset=\"0\"", "type=\"Float32\"", "</Piece>"],
+            |f, _, bytes| record::snapshot::Snapshot::read(&f.file("step.vtp", bytes)).map(|_| ()),
         ),
         target("specimen", 1500, own("specimen"), &COLUMNS, |f, _, bytes| {
             record::specimen::read(&f.file("specimen.csv", bytes), &f.materials).map(|_| ())
