@@ -278,7 +278,9 @@ impl Blocks {
         }
     }
 
-    /// Largest sums of stiffness over mass of a point, and of a body or grain, over the present contacts of bodies. `points`: number of points.
+    /// Largest sums of stiffness over mass of a point, and of a body or grain, over the present contacts of bodies. `points`: number of points. A contact of two
+    /// bodies counts once at each, as if the other stood still; of two alike the square of the frequency is up to twice as large. Free steps of bodies are far
+    /// below what that asks: a tower of ten cubes stands with six times its step.
     pub fn rates(&mut self, grains: &Grains, points: usize) -> ContactRates {
         let mut of_blocks = vec![0.0; self.blocks.len()];
         self.add_joint_rates(&mut of_blocks);
