@@ -1,5 +1,6 @@
 //! The line that shows the progress of a campaign.
 
+use super::runner::Outcome;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use laboratory::host::{self, Host};
 use std::io::IsTerminal;
@@ -87,6 +88,16 @@ impl Progress {
             eprintln!("{line}");
         }
         bar.set_message(line);
+    }
+
+    /// Counts how a run has ended.
+    pub fn count(&self, outcome: &Outcome) {
+        match outcome {
+            Outcome::Done { before: true, .. } => self.update(Change::DoneBefore),
+            Outcome::Done { .. } => self.update(Change::Done),
+            Outcome::Failed { .. } => self.update(Change::Failed),
+            Outcome::Stopped => {}
+        }
     }
 
     /// Says something of the campaign, unless quiet.

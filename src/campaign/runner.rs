@@ -201,12 +201,7 @@ impl Crew<'_> {
         if waits {
             self.progress.update(Change::WaitsNoMore);
         }
-        match outcome {
-            Outcome::Done { before: true, .. } => self.progress.update(Change::DoneBefore),
-            Outcome::Done { .. } => self.progress.update(Change::Done),
-            Outcome::Failed { .. } => self.progress.update(Change::Failed),
-            Outcome::Stopped => {}
-        }
+        self.progress.count(&outcome);
         outcome
     }
 

@@ -126,14 +126,14 @@ fn against_time(name: &str, run: &Run, y: Axis, lines: Vec<(&str, Vec<f64>)>) ->
 }
 
 /// Whether a curve shows anything: of what a scene has none of, all numbers are 0.
-fn is_drawn(values: &[f64]) -> bool {
-    values.iter().any(|v| *v != 0.0 && v.is_finite())
+fn is_drawn(values: impl IntoIterator<Item = f64>) -> bool {
+    values.into_iter().any(|v| v != 0.0 && v.is_finite())
 }
 
 fn run_out(run: &Run) -> Result<Option<Plot>> {
     let (Some(front), Some(height)) = (run.column("front_mm")?, run.column("height_mm")?) else { return Ok(None) };
     // without points there is neither
-    if !is_drawn(&front) && !is_drawn(&height) {
+    if !is_drawn(front.iter().chain(&height).copied()) {
         return Ok(None);
     }
     let y = Axis::linear("distance of the front, height (mm)", "length_mm").including(&[0.0]);
@@ -150,7 +150,7 @@ fn bearers(run: &Run) -> Result<Option<Plot>> {
             return Ok(None);
         }
         let points: Vec<_> = branches.into_iter().flat_map(|b| b.points).collect();
-        if is_drawn(&points.iter().map(|point| point.1).collect::<Vec<f64>>()) {
+        if is_drawn(points.iter().map(|point| point.1)) {
             series.push(Series::line(name, colour::kind(i), colour::dash(i), points));
         }
     }
@@ -213,7 +213,7 @@ fn energies(run: &Run) -> Result<Option<Plot>> {
             FALLEN => Some(height.iter().map(|now| start - now).collect()),
             _ => run.column(column)?,
         };
-        terms.extend(values.filter(|values| is_drawn(values)).map(|values| (name, values)));
+        terms.extend(values.filter(|values: &Vec<f64>| is_drawn(values.iter().copied())).map(|values| (name, values)));
     }
     let largest = terms.iter().flat_map(|t| &t.1).filter(|v| v.is_finite()).map(|v| v.abs()).fold(0.0, f64::max);
     if largest <= 0.0 {

@@ -105,7 +105,7 @@ impl Crew<'_> {
                 None
             }
         };
-        let (mut waiting, mut running, mut left, mut changes) = (0, 0, Vec::new(), Vec::new());
+        let (mut waiting, mut running, mut left, mut ended) = (0, 0, Vec::new(), Vec::new());
         for (i, run) in runs.iter_mut().enumerate().filter(|(_, run)| run.outcome.is_none()) {
             let entry = entries.as_ref().and_then(|entries| in_queue(&arrays, entries, &run.out));
             if let Some(entry) = entry {
@@ -120,7 +120,7 @@ impl Crew<'_> {
             let broken = |e: Error| Judged::Ended(Outcome::failed(e.to_string(), job.log(), true));
             match self.judge(job, run, &arrays, entries.as_ref()).unwrap_or_else(broken) {
                 Judged::Ended(outcome) => {
-                    changes.push(change(&outcome));
+                    ended.push(i);
                     run.outcome = Some(outcome);
                 }
                 Judged::Waits => running += usize::from(run.seen),
@@ -130,7 +130,7 @@ impl Crew<'_> {
         let in_queue = waiting + running > 0;
         waiting += self.submit(dir, runs, &left, (told, in_queue))?;
         self.progress.update(Change::Queue { running, waiting });
-        changes.into_iter().for_each(|change| self.progress.update(change));
+        ended.into_iter().filter_map(|i| runs[i].outcome.as_ref()).for_each(|outcome| self.progress.count(outcome));
         Ok([runs.iter().filter(|run| run.outcome.is_some()).count(), waiting, running])
     }
 
@@ -189,7 +189,7 @@ impl Crew<'_> {
                 Err(e) => {
                     for &i in some {
                         let outcome = Outcome::Failed { reason: e.to_string(), log: dir.into(), outside: true };
-                        self.progress.update(change(&outcome));
+                        self.progress.count(&outcome);
                         runs[i].outcome = Some(outcome);
                     }
                 }
@@ -319,14 +319,6 @@ fn failed(job: &Job, array: &Array, element: usize, state: Option<&str>) -> Outc
     let to_blame = matches!(code, Some(1..=3)) && own.is_some() || code == Some(PANIC);
     let log = if said.is_empty() { array.said(element) } else { job.log() };
     Outcome::failed(reason, log, !to_blame)
-}
-
-fn change(outcome: &Outcome) -> Change {
-    match outcome {
-        Outcome::Done { before: true, .. } => Change::DoneBefore,
-        Outcome::Done { .. } => Change::Done,
-        _ => Change::Failed,
-    }
 }
 
 fn warn_once(told: &mut BTreeSet<String>, text: String) {

@@ -1,5 +1,6 @@
 //! What a run holds at one instant: grains from `grains_final.csv` or a snapshot, surfaces of bodies from a snapshot.
 
+use super::text_file::LONGEST;
 use crate::error::{Error, Result};
 use crate::record::snapshot::{Snapshot, list};
 use crate::run::{BLOCKS, COLLECTION, GRAINS, GRAINS_FINAL};
@@ -58,8 +59,6 @@ const COLUMNS: [(&str, usize, f64); 11] = [
     ("wy_rad_s", 9, 1.0),
     ("wz_rad_s", 10, 1.0),
 ];
-/// Longest table of grains, bytes.
-const LONGEST: u64 = 1 << 30;
 
 impl Contents {
     /// What the run in `dir` holds in its snapshot `number`, from 0; at its end, or in its last snapshot, where none is given.

@@ -17,43 +17,53 @@ const OF_GRAINS: [&str; 7] = ["radius", "radius_m", "generation", "material", "f
 /// # Errors
 /// A folder `out` that is a run's; a run without snapshots, or without one of the fields; damaged snapshots; files that cannot be written.
 pub fn write(dir: &Path, out: &Path, fields: &[String]) -> Result<Vec<PathBuf>> {
-    let mut lists = Vec::new();
-    let mut known = Vec::new();
     if out.join(RESOLVED).exists() {
         return Err(Error::input(out.display(), "", None, "is the folder of a run; the small series needs one of its own"));
     }
+    let lists = [COLLECTION, GRAINS, BLOCKS, FINES, WALLS].map(|name| list(&dir.join(name)).map(|snapshots| (name, snapshots)));
+    let mut lists: Vec<(&str, Vec<(f64, PathBuf)>)> = lists.into_iter().collect::<Result<_>>()?;
+    lists.retain(|(_, snapshots)| !snapshots.is_empty());
+    if lists.is_empty() {
+        return Err(Error::input(dir.display(), "", None, "has left no snapshots"));
+    }
+    known(&lists, fields)?;
     let folder = out.join(SNAPSHOTS);
     table::folder(&folder).map_err(Error::write(&folder))?;
-    for name in [COLLECTION, GRAINS, BLOCKS, FINES, WALLS] {
-        let snapshots = list(&dir.join(name))?;
+    let mut written = Vec::new();
+    for (name, snapshots) in &lists {
         let mut listed = Vec::new();
-        for (at, path) in &snapshots {
+        for (at, path) in snapshots {
             let snapshot = Snapshot::read(path)?;
             let grains = snapshot.array("radius").or(snapshot.array("radius_m")).is_some();
             let keep = |field: &str| match fields {
                 [] => !grains || OF_GRAINS.contains(&field),
                 named => named.iter().any(|name| name == field),
             };
-            known.extend(snapshot.arrays.iter().map(|array| array.name.clone()));
             let file = Path::new(SNAPSHOTS).join(path.file_name().unwrap_or_default());
             compact::write(&out.join(&file), &snapshot, keep).map_err(VtkError::at(0))?;
             listed.push((*at, file.display().to_string()));
         }
-        if !listed.is_empty() {
-            let path = out.join(name);
-            write_collection(&path, &listed).map_err(VtkError::at(0))?;
-            lists.push(path);
-        }
+        let path = out.join(name);
+        write_collection(&path, &listed).map_err(VtkError::at(0))?;
+        written.push(path);
     }
-    known.sort();
-    known.dedup();
-    if lists.is_empty() {
-        return Err(Error::input(dir.display(), "", None, "has left no snapshots"));
+    Ok(written)
+}
+
+/// Checks that each of the fields is in the first snapshot of a list: the others of the list have the same.
+fn known(lists: &[(&str, Vec<(f64, PathBuf)>)], fields: &[String]) -> Result<()> {
+    if fields.is_empty() {
+        return Ok(());
     }
-    match fields.iter().find(|name| !known.contains(name)) {
+    let mut known = std::collections::BTreeSet::new();
+    for (_, path) in lists.iter().filter_map(|(_, snapshots)| snapshots.first()) {
+        known.extend(Snapshot::read(path)?.arrays.into_iter().map(|array| array.name));
+    }
+    match fields.iter().find(|name| !known.contains(*name)) {
         Some(name) => {
-            Err(Error::input("fields", name.clone(), None, format!("no snapshot has it; there are {}", known.join(", "))))
+            let there = known.into_iter().collect::<Vec<_>>().join(", ");
+            Err(Error::input("fields", name.clone(), None, format!("no snapshot has it; there are {there}")))
         }
-        None => Ok(lists),
+        None => Ok(()),
     }
 }
