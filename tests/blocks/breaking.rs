@@ -1,4 +1,4 @@
-//! Rigid bodies that break in two, and walls that move, as a user types them.
+//! Rigid bodies that break in two or into given pieces, and walls that move, as a user types them.
 
 use super::typed::{refused, resumes, run, scene};
 use crate::common::typed::{number, numbers, summary};
@@ -93,6 +93,45 @@ fn breakages_go_on_to_the_byte() {
     resumes(&whole, &scene(folder.path(), CUBE), &stops, &files);
 }
 
+const ENABLED: &str = "crushing.enabled = true";
+
+/// Seeds of the octants.
+const OCTANTS: &str = "[-0.5, -0.5, -0.5, 0.5, -0.5, -0.5, -0.5, 0.5, -0.5, 0.5, 0.5, -0.5, -0.5, -0.5, 0.5, 0.5, -0.5, 0.5, -0.5, 0.5, 0.5, 0.5, 0.5, 0.5]";
+
+/// A cube breaks into its octants at the force at which it would break in two, and these into theirs; all mass and energy are accounted for, and a stop in the midst changes nothing.
+#[test]
+fn a_cube_breaks_into_its_octants() {
+    let folder = tempfile::tempdir().expect("folder");
+    let text = CUBE.replace(ENABLED, &format!("{ENABLED}\ncrushing.block_pieces = {OCTANTS}"));
+    let out = run(folder.path(), &text, "run", &[]);
+    let broken = numbers(
+        &out.join("block_breakage.csv"),
+        ["block", "piece", "pieces", "block_mass_g", "piece_mass_g", "lost_volume_mm3", "stored_J", "step"],
+    );
+    let [block, piece, pieces, mass, second, lost, ..] = broken[0];
+    assert_eq!([block, piece, pieces], [0.0, 1.0, 8.0]);
+    assert!((mass / 2.65 - 1.0).abs() < 1e-9 && (second / mass - 1.0).abs() < 1e-9, "{mass} {second}");
+    // eight cubes of 10 mm with edges of 0.5 mm, by Steiner's formula
+    let (inner, r, pi) = (9.0_f64, 0.5_f64, std::f64::consts::PI);
+    let rounded = inner.powi(3) + 6.0 * inner.powi(2) * r + 3.0 * pi * inner * r.powi(2) + 4.0 / 3.0 * pi * r.powi(3);
+    assert!((lost / (8000.0 - 8.0 * rounded) - 1.0).abs() < 1e-6, "{lost}");
+    assert!(broken.len() > 1 && broken.iter().all(|row| row[2] > 1.0), "{}", broken.len());
+    let bodies = 1.0 + broken.iter().map(|row| row[2] - 1.0).sum::<f64>();
+    let s = summary(&out);
+    assert_eq!((number(&s, "crush_events"), number(&s, "blocks")), (broken.len() as f64, bodies));
+    let last = numbers(&out.join("blocks.csv"), ["step", "mass_kg"]);
+    let end = last.last().expect("rows")[0];
+    let mass: f64 = last.iter().filter(|row| row[0] == end).map(|row| row[1]).sum();
+    assert!((mass / 0.0212 - 1.0).abs() < 1e-8, "{mass}");
+    let stored: f64 = broken.iter().map(|row| row[6]).sum();
+    let columns = ["dissipated_J", "platen_work_J", "contact_J", "coarse_kinetic_J"];
+    let [dissipated, work, contact, kinetic] = *numbers(&out.join("history.csv"), columns).last().expect("rows");
+    assert!(((dissipated + contact + kinetic) / work - 1.0).abs() < 1e-6, "{dissipated} {contact} {kinetic} {work}");
+    assert!(dissipated > stored && dissipated < work, "{dissipated} {stored} {work}");
+    let files = ["blocks.csv", "block_breakage.csv", "block_surfaces.csv", "history.csv"];
+    resumes(&out, &scene(folder.path(), &text), &[broken[0][7] as u64, broken[0][7] as u64 + 1], &files);
+}
+
 /// In plane strain the cut goes through the two contacts: a square under a strip of its width breaks into halves, which stand beside each other.
 #[test]
 fn a_square_breaks_along_the_line_of_its_contacts() {
@@ -155,6 +194,18 @@ fn what_cannot_break_or_be_held_is_refused() {
         "[[grain]]\nposition_m = [0.05, 0.0, 0.01]\nradius_m = 0.01\n[[block]]",
         "must be false where [[grain]] stands beside [[block]]",
     );
+    for (seeds, says) in [
+        ("0.0, 0.0, 0.1, 0.5", "must be x, y, z of 2 to 100 seeds, but has 4 numbers"),
+        ("0.0, 0.0, 0.1", "must be x, y, z of 2 to 100 seeds, but has 3 numbers"),
+        ("0.0, 0.0, 0.1, 0.0, 0.0, 0.1", "has seed 2 twice"),
+        ("0.0, 0.0, 0.1, 0.0, 0.0, 1.5", "must be"),
+    ] {
+        refused(
+            ENABLED,
+            &format!("{ENABLED}\ncrushing.block_pieces = [{seeds}]"),
+            &format!("crushing.block_pieces = [{seeds}]: {says}"),
+        );
+    }
     refused("velocity_m_s = 0.1", "max_velocity_m_s = 0.1", "wall[1].max_velocity_m_s = 0.1: has no meaning without stress_kPa");
     refused(
         "kind = \"plane\"\npoint_m = [0.0, 0.0, 0.0201]\nnormal = [0.0, 0.0, -1.0]\nvelocity_m_s = 0.1",

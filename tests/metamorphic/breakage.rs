@@ -32,7 +32,18 @@ fn pressed(law: ContactLaw, criterion: Criterion, birth: Birth, keeps_mass: bool
     };
     let pattern = Pattern::new(14).expect("a pattern");
     let azimuth = Azimuth::Random;
-    let crush = CrushModel { criterion, strength, seed: 11, pattern, azimuth, d_limit: 0.9e-3, birth, keeps_mass, interval: 1 };
+    let crush = CrushModel {
+        criterion,
+        strength,
+        seed: 11,
+        pattern,
+        cells: Vec::new(),
+        azimuth,
+        d_limit: 0.9e-3,
+        birth,
+        keeps_mass,
+        interval: 1,
+    };
     physics.crush = Some(crush);
     let still = Ball { at: [0.0; 3], radius: 1e-3, velocity: [0.0; 3], spin: [0.0; 3], material: 0 };
     let balls = vec![

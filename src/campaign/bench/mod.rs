@@ -222,6 +222,7 @@ pub fn breakable(model: &Model) -> Result<Model> {
         criterion: Criterion::FixedAngle(FixedAngle { theta0: PI / 9.0 }),
         strength,
         seed: model.seeds.strength,
+        cells: Vec::new(),
         pattern,
         azimuth: Azimuth::Random,
         d_limit: 1e-3,

@@ -15,6 +15,8 @@ pub struct CrushModel {
     pub seed: u64,
     /// Into which daughters a grain breaks.
     pub pattern: Pattern,
+    /// Around which seeds bodies that are no spheres break into cells ([`crate::shape::Shape::cells`]); none: in two ([`crate::rigid::Breakage`]).
+    pub cells: Vec<[f64; 3]>,
     /// How the pattern is turned about its axis.
     pub azimuth: Azimuth,
     /// Comminution limit, m: only grains with a larger diameter break. Like all lengths of a run it is already multiplied by the scale N.

@@ -8,8 +8,11 @@
 //! platens, the plane contains that line and the cut crosses the body's longest axis. In plane strain the line through the two contacts is the cut. A cut that would
 //! chip off less than [`LEAST`] of the volume goes through the centre of mass instead.
 //!
-//! The two pieces have all of the mass, the momentum and the angular momentum of the body. The larger one keeps the body's number. What the round edges at the cut
-//! leave to neither ([`Breakage::lost_volume`]) makes the pieces denser by as much; a cut that would lose more than [`MOST_LOST`] of the volume is not made. The contacts of the body end with it. Those
+//! Where [`CrushModel::cells`] gives seeds, a body breaks into the cells around them instead ([`Shape::cells`]), those with less than [`LEAST_CELL`] of its volume left out; a body of
+//! which the cells would lose more than [`MOST_LOST`] breaks in two.
+//!
+//! The pieces have all of the mass, the momentum and the angular momentum of the body. The largest keeps the body's number, the others follow by size. What the round edges at the cuts
+//! leave to none ([`Breakage::lost_volume`]) makes the pieces denser by as much; a cut that would lose more than [`MOST_LOST`] of the volume is not made. The contacts of the body end with it. Those
 //! of the pieces begin without force however deep they are born ([`super::BlockContact::reference`]), so that no energy is made.
 
 use super::pair::Outline;
@@ -25,6 +28,8 @@ use serde::{Deserialize, Serialize};
 
 /// Smallest share of a body's volume that a piece may have where the cut does not go through the centre of mass.
 pub const LEAST: f64 = 0.1;
+/// Smallest share of a body's volume that a piece around a seed may have: a smaller one would shorten the time step of all.
+pub const LEAST_CELL: f64 = 0.005;
 /// Largest share of a body's volume that a breakage may lose at the new edges.
 pub const MOST_LOST: f64 = 0.1;
 /// Sine of the angle between the arms of the two largest contacts below which they count as on a line with the centre.
@@ -37,6 +42,8 @@ pub struct Breaking {
     pub bodies: Vec<Fate>,
     /// Breakages so far.
     pub events: u64,
+    /// Bodies that came of them, beside those that keep their numbers.
+    added: u64,
     /// Bodies that were over their limit and could not be cut.
     pub held: u64,
     /// Bodies whose contacts begin without force at the next search.
@@ -73,8 +80,8 @@ pub struct Breakage {
     pub event: u64,
     /// Step of the grains.
     pub step: u64,
-    /// Number of the body, which the larger piece keeps, and of the smaller piece.
-    pub pieces: [u32; 2],
+    /// Numbers of the pieces, the largest first, which keeps that of the body.
+    pub pieces: Vec<u32>,
     /// Generation of the body that broke.
     pub generation: u8,
     /// Steps since its birth.
@@ -91,11 +98,11 @@ pub struct Breakage {
     pub strength: f64,
     /// Its centre of mass, m.
     pub position: [f64; 3],
-    /// Unit normal of the cut.
+    /// Unit normal of the cut; 0 where there were several.
     pub normal: [f64; 3],
-    /// Masses of the two pieces, kg.
-    pub masses: [f64; 2],
-    /// Volume that the round edges at the cut leave to neither, m³.
+    /// Masses of the pieces, kg, in their order.
+    pub masses: Vec<f64>,
+    /// Volume that the round edges at the cuts leave to no piece, m³.
     pub lost_volume: f64,
     /// Elastic energy of its contacts, J, which ends with it.
     pub stored: f64,
@@ -171,9 +178,9 @@ impl Breaking {
     /// Checks what a checkpoint says of so many bodies, of which there were `first` at the start.
     pub(super) fn check(&self, bodies: usize, first: usize) -> Checked {
         check::lengths("strengths of rigid bodies", bodies, [self.bodies.len()])?;
-        check::counters("breakages of rigid bodies", &[self.events, self.held])?;
-        ensure(bodies as u64 == first as u64 + self.events, || {
-            format!("{first} rigid bodies and {} breakages do not make {bodies}", self.events)
+        check::counters("breakages of rigid bodies", &[self.events, self.held, self.added])?;
+        ensure(bodies as u64 == first as u64 + self.added && self.added >= self.events, || {
+            format!("{first} rigid bodies and {} more of {} breakages do not make {bodies}", self.added, self.events)
         })?;
         self.newborn.iter().try_for_each(|&k| check::below("new rigid body", k, bodies))?;
         check::not_negative("strengths of rigid bodies", self.bodies.iter().map(|fate| fate.strength))?;
@@ -295,7 +302,7 @@ impl Blocks {
         self.breaking = Some(breaking);
     }
 
-    /// Replaces a body by its two pieces; `None`, with nothing changed, where it cannot be cut.
+    /// Replaces a body by its pieces; `None`, with nothing changed, where it cannot be cut.
     fn divide(
         &mut self,
         crush: &CrushModel,
@@ -305,12 +312,9 @@ impl Blocks {
         energy_factor: f64,
     ) -> Option<Breakage> {
         let k = verdict.block;
-        let Cut { mut pieces, normal, lost } = cut(&self.blocks[k], verdict.at)?;
+        let Parting { mut pieces, normal, lost } = parting(&self.blocks[k], &crush.cells, verdict.at)?;
         let body = self.blocks[k].clone();
-        let volumes = |pieces: &[Fragment; 2]| [0, 1].map(|i| pieces[i].shape.solid().bulk().volume);
-        if volumes(&pieces)[0] < volumes(&pieces)[1] {
-            pieces.swap(0, 1);
-        }
+        pieces.sort_by(|p, q| q.volume().total_cmp(&p.volume()));
         let made = divided(&body, &pieces);
         let fate = breaking.bodies[k];
         let touches = |c: &super::BlockContact| c.block as usize == k || c.other.partner_body() == Some(k as u32);
@@ -319,10 +323,11 @@ impl Blocks {
         self.sleepers.forget();
         self.age.forget();
         let (new, generation) = (self.blocks.len() as u32, fate.generation.saturating_add(1));
+        let numbers: Vec<u32> = std::iter::once(k as u32).chain(new..).take(made.len()).collect();
         let event = Breakage {
             event: breaking.events + 1,
             step,
-            pieces: [k as u32, new],
+            pieces: numbers.clone(),
             generation: fate.generation,
             age: step.saturating_sub(fate.born),
             diameter: 2.0 * body.radius,
@@ -332,26 +337,29 @@ impl Blocks {
             strength: fate.strength,
             position: body.centre,
             normal: body.pose(0.0).outwards(normal),
-            masses: [0, 1].map(|i| made[i].mass),
+            masses: made.iter().map(|b| b.mass).collect(),
             lost_volume: lost,
             stored,
             lost_kinetic: body.kinetic() - made.iter().map(Block::kinetic).sum::<f64>(),
         };
-        let of = |i: usize| Fate::of(crush, &made[i], lineage_child(fate.lineage, i as u32), generation, step);
-        breaking.bodies[k] = of(0);
-        breaking.bodies.push(of(1));
-        breaking.newborn.extend([k as u32, new]);
+        breaking.newborn.extend(&numbers);
         breaking.events += 1;
-        let [larger, smaller] = made;
-        let outline = |block: &Block| Outline::of(&block.shape);
-        if self.outlines.len() == self.blocks.len() {
-            self.outlines[k] = outline(&larger);
-            self.outlines.push(outline(&smaller));
+        breaking.added += made.len() as u64 - 1;
+        let outlined = self.outlines.len() == self.blocks.len();
+        for (i, piece) in made.into_iter().enumerate() {
+            let of = Fate::of(crush, &piece, lineage_child(fate.lineage, i as u32), generation, step);
+            let outline = outlined.then(|| Outline::of(&piece.shape));
+            if i == 0 {
+                breaking.bodies[k] = of;
+                outline.into_iter().for_each(|outline| self.outlines[k] = outline);
+                (self.blocks[k], self.applied[k]) = (piece, [[0.0; 3]; 2]);
+            } else {
+                breaking.bodies.push(of);
+                self.outlines.extend(outline);
+                self.blocks.push(piece);
+                self.applied.push([[0.0; 3]; 2]);
+            }
         }
-        self.blocks[k] = larger;
-        self.blocks.push(smaller);
-        self.applied[k] = [[0.0; 3]; 2];
-        self.applied.push([[0.0; 3]; 2]);
         Some(event)
     }
 }
@@ -368,28 +376,34 @@ fn add_moment(moment: &mut [f64; 6], f: [f64; 3], arm: [f64; 3]) {
     }
 }
 
-/// A cut of a body that can be made.
-struct Cut {
-    pieces: [Fragment; 2],
-    /// Unit normal of the plane, in the frame of the body.
+/// The pieces of a body that breaks.
+struct Parting {
+    pieces: Vec<Fragment>,
+    /// Unit normal of the plane, in the frame of the body; 0 where there are several.
     normal: [f64; 3],
-    /// Volume that is left to neither piece, m³.
+    /// Volume that is left to no piece, m³.
     lost: f64,
 }
 
-/// The cut of a body through its largest contacts `at`, in its frame; where that cannot be made, through its centre of mass in the same direction, and then across
-/// its longest axis.
-fn cut(body: &Block, at: [Option<[f64; 3]>; 2]) -> Option<Cut> {
-    let volume = body.solid().bulk().volume;
-    let of = |normal: [f64; 3], offset: f64, least: f64| {
-        let pieces = body.shape.cut(normal, offset)?;
-        let volumes = [0, 1].map(|i| pieces[i].shape.solid().bulk().volume);
-        let lost = volume - volumes[0] - volumes[1];
-        let whole = volumes.iter().all(|v| *v >= least * volume) && lost <= MOST_LOST * volume;
-        whole.then_some(Cut { pieces, normal, lost })
+/// How a body breaks whose largest contacts are `at`, in its frame: into the cells around `seeds`, or where these are none or would lose too much, in two.
+fn parting(body: &Block, seeds: &[[f64; 3]], at: [Option<[f64; 3]>; 2]) -> Option<Parting> {
+    let whole = body.solid().bulk().volume;
+    let of = |pieces: Vec<Fragment>, normal, least: f64| {
+        let lost = pieces.iter().fold(whole, |left, piece| left - piece.volume());
+        let enough = pieces.len() > 1 && pieces.iter().all(|piece| piece.volume() >= least * whole);
+        (enough && lost <= MOST_LOST * whole).then_some(Parting { pieces, normal, lost })
     };
+    if !seeds.is_empty() {
+        let mut pieces = body.shape.cells(seeds);
+        pieces.retain(|piece| piece.volume() >= LEAST_CELL * whole);
+        if let Some(parting) = of(pieces, [0.0; 3], 0.0) {
+            return Some(parting);
+        }
+    }
+    // through its largest contacts; in the same direction through its centre of mass; across its longest axis
+    let cut = |normal, offset, least| of(body.shape.cut(normal, offset)?.into(), normal, least);
     let (normal, offset) = plane(body, at);
-    of(normal, offset, LEAST).or_else(|| of(normal, 0.0, 0.0)).or_else(|| of(longest(body, [0.0; 3]), 0.0, 0.0))
+    cut(normal, offset, LEAST).or_else(|| cut(normal, 0.0, 0.0)).or_else(|| cut(longest(body, [0.0; 3]), 0.0, 0.0))
 }
 
 /// Unit normal and offset, m, of the plane through two contacts and the centre of mass, in the frame of the body.
@@ -435,22 +449,23 @@ fn longest(body: &Block, along: [f64; 3]) -> [f64; 3] {
     scaled(normal, 1.0 / size(normal))
 }
 
-/// The two pieces as bodies: with all of the mass, momentum and angular momentum of `body`, and its velocity field but for what exactness takes.
-fn divided(body: &Block, pieces: &[Fragment; 2]) -> [Block; 2] {
+/// The pieces as bodies: with all of the mass, momentum and angular momentum of `body`, and its velocity field but for what exactness takes.
+fn divided(body: &Block, pieces: &[Fragment]) -> Vec<Block> {
     let (pose, spin) = (body.pose(0.0), body.spin());
-    let bulks = [0, 1].map(|i| pieces[i].shape.solid().bulk());
-    let second = body.mass * (bulks[1].volume / (bulks[0].volume + bulks[1].volume));
-    let masses = [body.mass - second, second];
-    let mut made = [0, 1].map(|i| {
-        let Fragment { shape, centre, axes } = &pieces[i];
-        let density = masses[i] / bulks[i].volume;
+    let volumes: Vec<f64> = pieces.iter().map(Fragment::volume).collect();
+    let all: f64 = volumes.iter().sum();
+    let mut masses: Vec<f64> = volumes.iter().map(|v| body.mass * (v / all)).collect();
+    masses[0] = masses[1..].iter().fold(body.mass, |left, m| left - m);
+    let of = |(i, Fragment { shape, centre, axes }): (usize, &Fragment)| {
+        let density = masses[i] / volumes[i];
         let turn = motion::product(body.turn, motion::quaternion(*axes));
         let mut block = Block::new(shape.clone(), density, body.material);
         (block.mass, block.centre, block.turn) = (masses[i], pose.place(*centre), turn);
         block.velocity = plus(body.velocity, cross(spin, less(block.centre, body.centre)));
         block.set_spin(spin);
         block
-    });
+    };
+    let mut made: Vec<Block> = pieces.iter().enumerate().map(of).collect();
     // the centre of mass of the pieces is not quite that of the body, and some of the moment of inertia is gone
     let sum = made.iter().fold([0.0; 3], |sum, b| plus(sum, scaled(b.velocity, b.mass)));
     let missing = scaled(less(scaled(body.velocity, body.mass), sum), 1.0 / body.mass);
@@ -490,20 +505,26 @@ mod tests {
     fn pieces_have_all_that_the_body_had() {
         let body = rock();
         let about = |b: &Block| plus(b.momentum, cross(b.centre, scaled(b.velocity, b.mass)));
-        for at in [
-            [Some([1.2, 0.1, 0.2]), Some([-0.3, 0.9, -0.1])],
-            [Some([0.0, 0.1, 0.7]), Some([0.05, 0.05, -0.7])],
-            [Some([1.2, 0.1, 0.2]), None],
+        let thirds: Vec<[f64; 3]> =
+            (0..5).map(|k| [0.4, -0.3, 0.1].map(|x| f64::from(k - 2) * x)).chain([[-0.6, 0.9, 0.5]]).collect();
+        for (seeds, at) in [
+            (&[][..], [Some([1.2, 0.1, 0.2]), Some([-0.3, 0.9, -0.1])]),
+            (&[], [Some([0.0, 0.1, 0.7]), Some([0.05, 0.05, -0.7])]),
+            (&[], [Some([1.2, 0.1, 0.2]), None]),
             // beside each other near an edge: that plane would chip
-            [Some([1.3, 0.9, 0.0]), Some([1.25, 1.0, 0.1])],
+            (&[], [Some([1.3, 0.9, 0.0]), Some([1.25, 1.0, 0.1])]),
+            (&thirds, [None, None]),
         ] {
-            let Cut { pieces, normal, lost } = cut(&body, at).unwrap();
+            let Parting { pieces, normal, lost } = parting(&body, seeds, at).unwrap();
             let made = divided(&body, &pieces);
-            let volumes = [0, 1].map(|k| pieces[k].shape.solid().bulk().volume);
+            let volumes: Vec<f64> = pieces.iter().map(Fragment::volume).collect();
             let whole = body.solid().bulk().volume;
-            assert!(lost > 0.0 && lost < 0.02 * whole && volumes.iter().all(|v| *v > LEAST * whole), "{lost} {volumes:?}");
-            assert!((dot(normal, normal) - 1.0).abs() < 1e-12);
-            assert_eq!(made[0].mass + made[1].mass, body.mass);
+            let (most_lost, least) = if seeds.is_empty() { (0.02, LEAST) } else { (MOST_LOST, LEAST_CELL) };
+            assert!(lost > 0.0 && lost < most_lost * whole && volumes.iter().all(|v| *v > least * whole), "{lost} {volumes:?}");
+            assert!((dot(normal, normal) - f64::from(u8::from(seeds.is_empty()))).abs() < 1e-12);
+            assert_eq!(made.len(), seeds.len().max(2));
+            let mass = made.iter().fold(0.0, |sum, b| sum + b.mass);
+            assert!((mass / body.mass - 1.0).abs() < if made.len() == 2 { f64::MIN_POSITIVE } else { 1e-15 });
             let sum = made.iter().fold([[0.0; 3]; 2], |[p, l], b| [plus(p, scaled(b.velocity, b.mass)), plus(l, about(b))]);
             let was = [scaled(body.velocity, body.mass), about(&body)];
             for (now, was) in sum.into_iter().zip(was) {
@@ -513,7 +534,9 @@ mod tests {
             // the field of velocities hardly changes
             let kinetic = made.iter().map(Block::kinetic).sum::<f64>();
             assert!((kinetic / body.kinetic() - 1.0).abs() < 1e-2, "{kinetic} {}", body.kinetic());
-            assert!(made[0].overlap(&made[1]) < 1e-12, "{}", made[0].overlap(&made[1]));
+            for (k, piece) in made.iter().enumerate() {
+                assert!(made[..k].iter().all(|other| piece.overlap(other) < 1e-12));
+            }
             for piece in &made {
                 let pose = piece.pose(0.0);
                 let solid = piece.solid();

@@ -1,4 +1,4 @@
-//! Cuts a rounded convex body in two along a plane.
+//! Cuts a rounded convex body in two along a plane, or into the cells around given seeds.
 //!
 //! The hull within each piece ends by the radius of the edges before the plane, so that the rounded pieces touch each other in the plane and lie inside of the
 //! body: they overlap neither each other nor what the body did not overlap. At the new edges the round of both leaves a little of the body's volume to neither, (2 − π/2) r² for
@@ -32,6 +32,53 @@ impl Shape {
         let side = |sign: f64| rounded.beyond(scaled(normal, -sign), -sign * offset);
         Some([side(1.0)?, side(-1.0)?])
     }
+
+    /// The pieces of a body whose points are nearer to one of the `seeds` than to all others, in the order of the seeds. Seeds are in shares of half the body's size along each of
+    /// its axes, from the middle of its box, and distances are measured in these shares: cells of a cube (Voronoi), stretched with the body. A cell that leaves no hull with a
+    /// volume is no piece; of a body that cannot be cut there is none.
+    pub fn cells(&self, seeds: &[[f64; 3]]) -> Vec<Fragment> {
+        let [middle, half] = self.rounded().half_sizes();
+        // the side of seed p of the plane between p and q
+        let plane = |p: [f64; 3], q: [f64; 3]| {
+            let normal: [f64; 3] = std::array::from_fn(|a| if half[a] > 0.0 { (p[a] - q[a]) / half[a] } else { 0.0 });
+            let square = |s: [f64; 3]| (0..3).filter(|&a| half[a] > 0.0).map(|a| s[a] * s[a]).sum::<f64>();
+            let size = dot(normal, normal).sqrt();
+            (scaled(normal, 1.0 / size), (0.5 * (square(p) - square(q)) + dot(normal, middle)) / size)
+        };
+        let cell = |(k, &seed): (usize, &[f64; 3])| {
+            let others = seeds.iter().enumerate().filter(|(other, _)| *other != k);
+            others
+                .map(|(_, &other)| plane(seed, other))
+                .try_fold(Fragment::whole(self), |piece, (n, offset)| piece.beyond(n, offset))
+        };
+        seeds.iter().enumerate().filter_map(cell).collect()
+    }
+}
+
+impl Fragment {
+    /// All of a body.
+    fn whole(shape: &Shape) -> Fragment {
+        let axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+        Fragment { shape: shape.clone(), centre: [0.0; 3], axes }
+    }
+
+    /// Its volume, m³; in plane strain its area, m².
+    pub fn volume(&self) -> f64 {
+        self.shape.solid().bulk().volume
+    }
+
+    /// What of it lies beyond the plane n·x = `offset`, m, in the frame of the body, on the side of the unit vector `normal`.
+    fn beyond(self, normal: [f64; 3], offset: f64) -> Option<Fragment> {
+        let (n, offset) = (self.axes.map(|axis| dot(axis, normal)), offset - dot(self.centre, normal));
+        let rounded = self.shape.rounded();
+        if rounded.corners().iter().all(|p| dot(*p, n) >= offset + rounded.rounding()) {
+            return Some(self);
+        }
+        let piece = rounded.beyond(n, offset)?;
+        let outwards = |v: [f64; 3]| (0..3).fold([0.0; 3], |sum, k| plus(sum, scaled(self.axes[k], v[k])));
+        let (centre, axes) = (plus(self.centre, outwards(piece.centre)), piece.axes.map(outwards));
+        Some(Fragment { centre, axes, ..piece })
+    }
 }
 
 impl Shape {
@@ -54,6 +101,17 @@ impl Shape {
 }
 
 impl Rounded {
+    /// Middle of the box around its corners and rounding, in its frame, and half the sizes of the box, m; in the plane 0 along z.
+    fn half_sizes(&self) -> [[f64; 3]; 2] {
+        let far =
+            |a: usize, sign: f64| self.corners().iter().map(|p| sign * p[a]).fold(f64::NEG_INFINITY, f64::max) + self.rounding();
+        let flat = matches!(self, Rounded::Ring(_));
+        let of = |f: &dyn Fn(f64, f64) -> f64| {
+            std::array::from_fn(|a| if flat && a == 2 { 0.0 } else { 0.5 * f(far(a, 1.0), far(a, -1.0)) })
+        };
+        [of(&|high, low| high - low), of(&|high, low| high + low)]
+    }
+
     /// The piece of which every point x has n·x ≥ `offset`, m, with n = `normal`.
     fn beyond(&self, normal: [f64; 3], offset: f64) -> Option<Fragment> {
         match self {
@@ -122,9 +180,8 @@ mod tests {
         let shape = Shape::Polyhedron(body.polyhedron);
         for offset in [0.0, 0.2] {
             let [low, high] = shape.cut(normal, offset).unwrap();
-            let volume = |p: &Fragment| p.shape.solid().bulk().volume;
             // all three pairs of faces are flat but for the edges: of each cut's outline 4 metres (2 − π/2) r² per metre go, a little less at the corners
-            let lost = shape.solid().bulk().volume - volume(&low) - volume(&high);
+            let lost = shape.solid().bulk().volume - low.volume() - high.volume();
             let edges = (2.0 - std::f64::consts::FRAC_PI_2) * r * r * 4.0 * (1.0 + 2.0 * r);
             assert!(lost > 0.0 && lost < edges && lost > 0.95 * edges, "{lost} {edges}");
             let far = |p: &Fragment, n: [f64; 3]| {
@@ -143,13 +200,45 @@ mod tests {
         assert_eq!(shape.cut(normal, 0.5), None);
     }
 
+    /// Eight seeds cut a brick into its octants, however long it is and wherever its frame is; two seeds into halves; a seed far away has no cell.
+    #[test]
+    fn cells_around_seeds_are_stretched_with_the_body() {
+        let r = 0.01;
+        let corner = |k: u32, half: [f64; 3]| std::array::from_fn(|a| if k >> a & 1 == 1 { half[a] } else { -half[a] });
+        let half = [0.5, 1.0, 2.0];
+        let body = Shape::Polyhedron(Polyhedron::hull(&(0..8).map(|k| corner(k, half)).collect::<Vec<_>>(), r).unwrap().polyhedron);
+        let octants: Vec<[f64; 3]> = (0..8).map(|k| corner(k, [0.5; 3])).collect();
+        let pieces = body.cells(&octants);
+        assert_eq!(pieces.len(), 8);
+        for (piece, seed) in pieces.iter().zip(&octants) {
+            assert!(piece.volume() < 1.02 && piece.volume() > 0.97, "{}", piece.volume());
+            // corners at three planes and three faces
+            assert_eq!(piece.shape.solid().spots(), 8);
+            assert!((0..3).all(|a| piece.centre[a] * seed[a] > 0.0), "{piece:?}");
+        }
+        let lost = pieces.iter().fold(body.solid().bulk().volume, |left, piece| left - piece.volume());
+        // three cuts, each across all of the body; where cuts cross, the edges of four pieces lose (4 − π) r² instead
+        let [a, b, c] = half.map(|h| 2.0 * h);
+        let edges =
+            (2.0 - std::f64::consts::FRAC_PI_2) * r * r * 4.0 * (a + b + c) + (4.0 - std::f64::consts::PI) * r * r * (a + b + c);
+        assert!((lost / edges - 1.0).abs() < 0.02, "{lost} {edges}");
+        let halves = body.cells(&[[-0.5, 0.0, 0.0], [0.5, 0.0, 0.0]]);
+        let longest = |p: &Fragment| p.shape.rounded().half_sizes()[1].into_iter().fold(0.0, f64::max);
+        assert!(halves.len() == 2 && halves[0].volume() == halves[1].volume() && longest(&halves[0]) > 1.0);
+        assert_eq!(body.cells(&[[0.0; 3], [0.1, 0.0, 0.0], [9.0, 0.0, 0.0]]).len(), 2);
+        let (square, _) = Polygon::of(&[[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [0.0, 1.0]], 1e-3).unwrap();
+        let quarters = Shape::Polygon(square).cells(&[[-0.5, -0.5, 0.0], [0.5, -0.5, 0.0], [0.5, 0.5, 0.0], [-0.5, 0.5, 0.0]]);
+        assert!(quarters.len() == 4 && quarters.iter().all(|p| (p.volume() - 0.5).abs() < 5e-3));
+        assert!(Shape::Polygon(Polygon::of(&[[0.0, 0.0]], 1.0).unwrap().0).cells(&octants).is_empty());
+    }
+
     /// A polygon in two: areas and centres of mass of rectangles.
     #[test]
     fn a_polygon_is_cut_into_polygons() {
         let (square, _) = Polygon::of(&[[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [0.0, 1.0]], 1e-3).unwrap();
         let [left, right] = Shape::Polygon(square).cut([1.0, 0.0, 0.0], 0.25).unwrap();
         assert!((left.centre[0] - (-0.375)).abs() < 2e-3 && (right.centre[0] - 0.625).abs() < 2e-3);
-        let areas = [&left, &right].map(|p| p.shape.solid().bulk().volume);
+        let areas = [&left, &right].map(|p| p.volume());
         assert!((areas[0] - 1.25).abs() < 6e-3 && (areas[1] - 0.75).abs() < 6e-3, "{areas:?}");
         let disc = Shape::Polygon(Polygon::of(&[[0.0, 0.0]], 1.0).unwrap().0);
         assert_eq!(disc.cut([1.0, 0.0, 0.0], 0.0), None);

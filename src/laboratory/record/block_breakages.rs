@@ -1,4 +1,4 @@
-//! Rows of `block_breakage.csv`: rigid bodies that have broken in two.
+//! Rows of `block_breakage.csv`: rigid bodies that have broken.
 
 use engine::rigid::Breakage;
 use table::Row;
@@ -14,6 +14,7 @@ pub fn row(b: &Breakage, time: f64) -> Row {
         ("time_s", time.into()),
         ("block", u64::from(b.pieces[0]).into()),
         ("piece", u64::from(b.pieces[1]).into()),
+        ("pieces", (b.pieces.len() as u64).into()),
         ("generation", u64::from(b.generation).into()),
         ("age_steps", b.age.into()),
         ("diameter_mm", (1e3 * b.diameter).into()),

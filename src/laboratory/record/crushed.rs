@@ -140,7 +140,7 @@ impl Crushed {
         for b in &broken {
             self.block_breakage.push(out, &block_breakages::row(b, time))?;
         }
-        let mut pieces: Vec<u32> = broken.iter().flat_map(|b| b.pieces).collect();
+        let mut pieces: Vec<u32> = broken.iter().flat_map(|b| b.pieces.iter().copied()).collect();
         pieces.sort_unstable();
         pieces.dedup();
         for k in pieces {

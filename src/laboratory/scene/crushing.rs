@@ -14,6 +14,9 @@ use engine::breakage::{Birth, Criterion, CrushModel};
 use engine::rigid::Block;
 use toml::{Table, Value};
 
+/// Most pieces into which a rigid body breaks.
+const MOST_PIECES: usize = 100;
+
 /// Fills in the defaults that depend on the kind of scene, on whether grains break, or on another key: `contact.unloading`,
 /// `crushing.criterion` and `crushing.birth`.
 pub fn fill(scene: &mut Table) {
@@ -99,13 +102,32 @@ impl View<'_> {
         let interval = self.whole("crushing.interval").unwrap_or(1);
         let azimuth = if self.text("crushing.azimuth") == "fixed" { Azimuth::Fixed } else { Azimuth::Random };
         let seed = self.whole("seed.strength")?;
-        let crush = CrushModel { criterion, strength, seed, pattern, azimuth, d_limit, birth, keeps_mass, interval };
+        let cells = self.cells()?;
+        let crush = CrushModel { criterion, strength, seed, pattern, cells, azimuth, d_limit, birth, keeps_mass, interval };
         Some((Some(crush), fines))
     }
 
     /// The number of steps at a key; 1 where the key is absent.
     fn steps(&self, key: &str) -> u32 {
         self.whole(key).and_then(|n| u32::try_from(n).ok()).unwrap_or(1)
+    }
+
+    /// Seeds of the pieces of rigid bodies; `None`, with the reason noted, where they are none.
+    fn cells(&self) -> Option<Vec<[f64; 3]>> {
+        let (key, numbers) = ("crushing.block_pieces", self.numbers("crushing.block_pieces"));
+        if !self.has(key) {
+            return Some(Vec::new());
+        }
+        let of = if self.flag("grid.plane_strain") { 2 } else { 3 };
+        let seeds: Vec<[f64; 3]> =
+            numbers.chunks(of).map(|seed| std::array::from_fn(|a| seed.get(a).copied().unwrap_or(0.0))).collect();
+        let whole = numbers.len().is_multiple_of(of) && (2..=MOST_PIECES).contains(&seeds.len());
+        let words = if of == 2 { "x, y" } else { "x, y, z" };
+        self.check(whole, key, format!("must be {words} of 2 to {MOST_PIECES} seeds, but has {} numbers", numbers.len()));
+        let twice = seeds.iter().enumerate().find(|(k, seed)| seeds[..*k].contains(seed));
+        self.check(twice.is_none(), key, format!("has seed {} twice", twice.map_or(0, |(k, _)| k + 1)));
+        self.check(self.has_blocks(), key, "is for [[block]] and [[block_set]]; grains break by crushing.pattern");
+        (whole && twice.is_none()).then_some(seeds)
     }
 
     /// Number of the material of the grains: that of the first grain where they have several, 0 where there are none. `None` where

@@ -822,6 +822,12 @@ const OWN: &[Key] = &[
         Is("\"leave\""),
         "what becomes of the mass that the daughters of a broken grain do not hold: it leaves the mechanics (the paper), the daughters grow until they have it (gradual birth), or in an oedometer or a mixture it becomes material points where there is room",
     ),
+    mixture(
+        "crushing.block_pieces",
+        Numbers(Range::closed(-1.0, 1.0), None),
+        Absent,
+        "rigid bodies break into cells around these seeds, a piece for each: x, y, z of one after the other (in plane strain x, y), in shares of half the body's size along its own axes, from -1 to 1; if not written, in two along a plane through their largest contacts",
+    ),
     oedometer(
         "crushing.points_cell_mm",
         NumberOr(POSITIVE, "auto"),
