@@ -62,6 +62,16 @@ class Run:
             raise FileNotFoundError(f"{self.folder}: has no table {path.name}; it has {', '.join(self.tables) or 'none'}")
         return _tables.read(path, str(self.scene["kind"]), pandas=pandas)
 
+    def to_parquet(self, out: str | os.PathLike[str]) -> list[Path]:
+        """Writes every table as a file of Parquet into the folder ``out``, and gives their paths; pandas and pyarrow must be installed.
+        ``pandas.read_parquet`` gives the same frames, units and meanings included. Files of these names are overwritten."""
+        folder = Path(out)
+        folder.mkdir(parents=True, exist_ok=True)
+        files = [folder / f"{Path(name).stem}.parquet" for name in self.tables]
+        for name, file in zip(self.tables, files, strict=True):
+            self.table(name, pandas=True).to_parquet(file, engine="pyarrow")
+        return files
+
     @cached_property
     def history(self) -> Any:
         """``history.csv``: what the test shows, a row for each record."""

@@ -10,6 +10,7 @@ import time
 from pathlib import Path
 
 import numpy as np
+import pandas
 import pytest
 
 import comminute
@@ -54,6 +55,15 @@ def test_tables_are_frames_with_units(run):
         assert set(table.attrs["units"]) == set(table.columns)
     with pytest.raises(FileNotFoundError, match="platen.csv; it has .*history.csv"):
         run.table("platen")
+
+
+def test_tables_go_to_parquet_and_back(run, tmp_path):
+    files = run.to_parquet(tmp_path / "tables")
+    assert [file.stem for file in files] == [Path(name).stem for name in run.tables] and len(files) > 4
+    for name, file in zip(run.tables, files, strict=True):
+        ours, back = run.table(name), pandas.read_parquet(file)
+        pandas.testing.assert_frame_equal(ours, back, check_exact=True)
+        assert back.attrs == ours.attrs and back.attrs["units"], name
 
 
 def test_arrays_of_numpy_hold_the_same(run):

@@ -211,14 +211,15 @@ mod tests {
         let pieces = body.cells(&octants);
         assert_eq!(pieces.len(), 8);
         for (piece, seed) in pieces.iter().zip(&octants) {
-            assert!(piece.volume() < 1.02 && piece.volume() > 0.97, "{}", piece.volume());
+            let octant = half.iter().map(|h| h + r).product::<f64>();
+            assert!(piece.volume() < octant && piece.volume() > 0.99 * octant, "{} {octant}", piece.volume());
             // corners at three planes and three faces
             assert_eq!(piece.shape.solid().spots(), 8);
             assert!((0..3).all(|a| piece.centre[a] * seed[a] > 0.0), "{piece:?}");
         }
         let lost = pieces.iter().fold(body.solid().bulk().volume, |left, piece| left - piece.volume());
         // three cuts, each across all of the body; where cuts cross, the edges of four pieces lose (4 − π) r² instead
-        let [a, b, c] = half.map(|h| 2.0 * h);
+        let [a, b, c] = half.map(|h| 2.0 * (h + r));
         let edges =
             (2.0 - std::f64::consts::FRAC_PI_2) * r * r * 4.0 * (a + b + c) + (4.0 - std::f64::consts::PI) * r * r * (a + b + c);
         assert!((lost / edges - 1.0).abs() < 0.02, "{lost} {edges}");
