@@ -125,8 +125,8 @@ def ensemble(
 
     ``vary``: what the seeds choose, ``"both"``, ``"packing"`` or ``"strength"``. ``jobs``: runs at a time; one for each core if not
     given. A second call does only what is left. Runs that fail raise :class:`~comminute.errors.CampaignError` when the others are done.
-    ``executor``: who starts the runs, ``"local"``, ``"slurm"`` (with ``executor_options`` of ``sbatch``) or ``"command"`` (by the shell
-    command ``executor_command``, such as ``"ssh node {word}"``).
+    ``executor``: who starts the runs, ``"local"``, ``"slurm"`` or ``"hyperqueue"`` (with ``executor_options`` of ``sbatch`` or
+    ``hq submit``) or ``"command"`` (by the shell command ``executor_command``, such as ``"ssh node {word}"``).
     """
     words = ["ensemble", *_scene(scene, out), "--seeds", ",".join(str(seed) for seed in seeds), "--vary", vary]
     words += _files("--data", data)

@@ -3,6 +3,7 @@
 use super::Job;
 use super::job::shell_word;
 use super::program::Program;
+use super::scheduler::Scheduler;
 use laboratory::error::{Error, Result};
 use laboratory::scene::Estimate;
 use std::ffi::OsString;
@@ -18,11 +19,13 @@ pub enum Executor {
     Local,
     /// Each run is made by a shell command, whose exit code is the run's.
     Command(Template),
-    /// The runs are elements of arrays of Slurm.
-    Slurm {
-        /// Folder of the campaign, whose folder `slurm` remembers the arrays.
+    /// The runs are elements of arrays of a scheduler.
+    Scheduler {
+        /// Which one.
+        scheduler: Scheduler,
+        /// Folder of the campaign, of which a folder remembers the arrays.
         folder: PathBuf,
-        /// Options of `sbatch`; they replace what follows from the runs.
+        /// Options of its command that submits; they replace what follows from the runs.
         options: Vec<String>,
     },
 }

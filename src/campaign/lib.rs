@@ -18,8 +18,8 @@ mod program;
 mod progress;
 pub mod reproduce;
 mod runner;
+mod scheduler;
 mod seeds;
-mod slurm;
 pub mod study;
 pub mod verify;
 
@@ -29,4 +29,5 @@ pub use hold::Hold;
 pub use job::{Job, shell_word};
 pub use program::Program;
 pub use runner::{Options, Outcome, close, run};
+pub use scheduler::Scheduler;
 pub use seeds::{Vary, parse as parse_seeds};

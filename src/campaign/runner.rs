@@ -6,7 +6,7 @@ use super::hold;
 use super::memory::at_a_time;
 use super::program::Program;
 use super::progress::{Change, Progress};
-use super::slurm;
+use super::scheduler;
 use laboratory::error::{CANNOT_WRITE, Error, Result};
 use laboratory::host;
 use laboratory::interrupt::{listen, stop_asked};
@@ -114,9 +114,10 @@ pub fn run(jobs: &[Job], options: &Options) -> Result<Vec<Outcome>> {
     };
     listen();
     let progress = Progress::new(jobs.len(), options.quiet);
-    if let Executor::Slurm { folder, options: more } = &options.executor {
-        let (parallel, force) = (options.parallel, options.force);
-        let crew = slurm::Crew { jobs, needs: &needs, program: &program, options: more, parallel, force, progress: &progress };
+    if let Executor::Scheduler { scheduler, folder, options: more } = &options.executor {
+        let (scheduler, parallel, force) = (*scheduler, options.parallel, options.force);
+        let (program, progress) = (&program, &progress);
+        let crew = scheduler::Crew { scheduler, jobs, needs: &needs, program, options: more, parallel, force, progress };
         let outcomes = crew.run(folder);
         progress.finish();
         return outcomes;

@@ -50,7 +50,7 @@ pub struct Args {
     #[arg(long, value_name = "N", default_value = "1", value_parser = clap::value_parser!(u64).range(1..1_000_000))]
     seed: u64,
 
-    /// Runs at a time; one for each core if not given, and with Slurm as many as it starts
+    /// Runs at a time; one for each core if not given, and with a scheduler as many as it starts
     #[arg(long, value_name = "N", value_parser = super::threads())]
     jobs: Option<u16>,
 

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 /// Options of the verbs that make many runs.
 #[derive(Debug, clap::Args)]
 pub struct Options {
-    /// Runs at a time; one for each core if not given, and with Slurm as many as it starts
+    /// Runs at a time; one for each core if not given, and with a scheduler as many as it starts
     #[arg(long, value_name = "N", value_parser = super::threads())]
     jobs: Option<u16>,
 

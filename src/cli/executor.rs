@@ -1,6 +1,6 @@
 //! Options that say who starts the runs of a campaign.
 
-use comminute::campaign::{Executor, Template};
+use comminute::campaign::{Executor, Scheduler, Template};
 use comminute::error::{Error, Result};
 use std::path::Path;
 
@@ -15,7 +15,7 @@ pub struct Args {
     #[arg(long, value_name = "TEMPLATE")]
     executor_command: Option<String>,
 
-    /// Options of sbatch with --executor slurm, as in "--partition=long --account=soil"; they replace what the program asks for. May be given several times
+    /// Options of sbatch with --executor slurm, as in "--partition=long --account=soil", or of hq submit with --executor hyperqueue; they replace what the program asks for. May be given several times
     #[arg(long, value_name = "OPTIONS", allow_hyphen_values = true)]
     executor_options: Vec<String>,
 }
@@ -26,6 +26,9 @@ enum Name {
     Local,
     /// Slurm, each run an element of an array, with time and memory from what `check` expects
     Slurm,
+    /// HyperQueue, each run a task of an array, with the same
+    #[value(name = "hyperqueue")]
+    HyperQueue,
     /// A shell command of yours, whose exit code is the run's
     Command,
 }
@@ -40,20 +43,24 @@ impl Args {
         if self.executor != Name::Command && self.executor_command.is_some() {
             return stray("--executor-command", "command");
         }
-        if self.executor != Name::Slurm && !self.executor_options.is_empty() {
-            return stray("--executor-options", "slurm");
+        let scheduler = match self.executor {
+            Name::Slurm => Some(Scheduler::Slurm),
+            Name::HyperQueue => Some(Scheduler::HyperQueue),
+            Name::Local | Name::Command => None,
+        };
+        if scheduler.is_none() && !self.executor_options.is_empty() {
+            return stray("--executor-options", "slurm and hyperqueue");
+        }
+        if let Some(scheduler) = scheduler {
+            let words = self.executor_options.iter().flat_map(|text| text.split_whitespace());
+            let options: Vec<String> = words.map(String::from).collect();
+            if let Some(word) = options.iter().find(|word| !word.starts_with('-')) {
+                let message = format!("is no option of {}: write values with =, as in --name=value", scheduler.submits());
+                return Err(Error::input("--executor-options", "", None, format!("`{word}` {message}")));
+            }
+            return Ok(Executor::Scheduler { scheduler, folder: folder.into(), options });
         }
         match self.executor {
-            Name::Local => Ok(Executor::Local),
-            Name::Slurm => {
-                let words = self.executor_options.iter().flat_map(|text| text.split_whitespace());
-                let options: Vec<String> = words.map(String::from).collect();
-                if let Some(word) = options.iter().find(|word| !word.starts_with('-')) {
-                    let message = "is no option of sbatch: write values with =, as in --partition=long";
-                    return Err(Error::input("--executor-options", "", None, format!("`{word}` {message}")));
-                }
-                Ok(Executor::Slurm { folder: folder.into(), options })
-            }
             Name::Command => match &self.executor_command {
                 Some(text) => Ok(Executor::Command(Template::parse(text)?)),
                 None => {
@@ -61,6 +68,7 @@ impl Args {
                     Err(Error::input("--executor command", "", None, message))
                 }
             },
+            _ => Ok(Executor::Local),
         }
     }
 
@@ -92,12 +100,15 @@ mod tests {
         let slurm = ["--executor", "slurm", "--executor-options", "--partition=long --mem=4G", "--executor-options=-A soil"];
         assert!(of(&slurm).expect_err("a value by itself").contains("`soil` is no option of sbatch"));
         let options = vec!["--partition=long".into(), "--mem=4G".into()];
-        assert_eq!(of(&slurm[..4]), Ok(Executor::Slurm { folder: "runs/e".into(), options }));
+        let of_slurm = Executor::Scheduler { scheduler: Scheduler::Slurm, folder: "runs/e".into(), options };
+        assert_eq!(of(&slurm[..4]), Ok(of_slurm));
+        let hyperqueue = of(&["--executor", "hyperqueue", "--executor-options=--cpus=2"]).expect("a scheduler");
+        assert!(matches!(hyperqueue, Executor::Scheduler { scheduler: Scheduler::HyperQueue, .. }), "{hyperqueue:?}");
         for (words, says) in [
             (&["--executor", "command"][..], "--executor command: needs --executor-command"),
             (&["--executor", "command", "--executor-command", "ssh node"], "`ssh node` has no place for the command of a run"),
             (&["--executor-command", "{command}"], "--executor-command: is only for --executor command"),
-            (&["--executor-options=--mem=1G"], "--executor-options: is only for --executor slurm"),
+            (&["--executor-options=--mem=1G"], "--executor-options: is only for --executor slurm and hyperqueue"),
             (&["--executor", "pbs"], "invalid value 'pbs'"),
         ] {
             let said = of(words).expect_err("refused");

@@ -1,8 +1,10 @@
-//! Runs as elements of arrays of Slurm. Nothing but the campaign's folder and Slurm's queue knows what is going on, so that a call that
+//! Runs as elements of arrays of a scheduler. Nothing but the campaign's folder and the scheduler's queue knows what is going on, so that a call that
 //! was killed, or a second one at the same time, finds the arrays of the first and waits for them.
 
 mod array;
+mod hyperqueue;
 mod queue;
+mod slurm;
 
 use super::executor::{Needs, line};
 use super::hold::Hold;
@@ -15,13 +17,13 @@ use laboratory::error::{Error, Result};
 use laboratory::host;
 use laboratory::interrupt::stop_asked;
 use laboratory::run::{Found, last_checkpoint};
+pub use queue::Scheduler;
 use queue::{Entries, Entry};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-/// Folder of the arrays in the folder of a campaign, and the file in it that a call locks while it looks and submits.
-const FOLDER: &str = "slurm";
+/// File in the folder of the arrays that a call locks while it looks and submits.
 const LOCK: &str = "lock";
 
 /// Time between two looks at the queue, from the first after something has changed to the longest.
@@ -29,15 +31,16 @@ const LOOKS: [Duration; 2] = [Duration::from_secs(1), Duration::from_secs(30)];
 /// Time after which a file that a node has written is seen on every machine, also where a network file system remembers what was there.
 const SEEN: Duration = Duration::from_secs(60);
 
-/// Runs that Slurm makes.
+/// Runs that a scheduler makes.
 pub struct Crew<'a> {
+    pub scheduler: Scheduler,
     pub jobs: &'a [Job],
     /// What each run asks for.
     pub needs: &'a [Needs],
     pub program: &'a Program,
-    /// Options of `sbatch`.
+    /// Options of the command that submits.
     pub options: &'a [String],
-    /// Elements of an array that run at a time; 0: as many as Slurm likes.
+    /// Elements of an array that run at a time; 0: as many as the scheduler likes.
     pub parallel: usize,
     pub force: bool,
     pub progress: &'a Progress,
@@ -60,10 +63,13 @@ impl Crew<'_> {
     /// then. `folder` is that of the campaign.
     ///
     /// # Errors
-    /// No Slurm, one that does not answer at the start or refuses all runs; files that cannot be written.
+    /// No scheduler, one that does not answer at the start or refuses all runs; files that cannot be written.
     pub fn run(&self, folder: &Path) -> Result<Vec<Outcome>> {
-        queue::here()?;
-        let dir = absolute(folder)?.join(FOLDER);
+        self.scheduler.here()?;
+        if self.parallel > 0 && self.scheduler == Scheduler::HyperQueue {
+            host::warn("--jobs is not kept: HyperQueue starts as many runs as its workers have room for");
+        }
+        let dir = absolute(folder)?.join(self.scheduler.word());
         std::fs::create_dir_all(&dir).map_err(Error::write(&dir))?;
         let watch = |job: &Job| Ok(Watch { out: absolute(&job.out)?, ..Watch::default() });
         let mut runs: Vec<Watch> = self.jobs.iter().map(watch).collect::<Result<_>>()?;
@@ -95,13 +101,19 @@ impl Crew<'_> {
         let open: BTreeSet<&Path> = runs.iter().filter(|run| run.outcome.is_none()).map(|run| run.out.as_path()).collect();
         let of_ours = arrays.iter().filter(|array| array.told.runs.iter().any(|run| open.contains(run.as_path())));
         let names: Vec<&str> = of_ours.map(|array| array.told.name.as_str()).collect();
-        let entries = match queue::entries(&names) {
+        let entries = match self.scheduler.entries(&names) {
             Ok(entries) => Some(entries),
             Err(words) if first => {
-                return Err(Error::input("squeue", "", None, format!("does not answer: {words}; nothing was submitted")));
+                return Err(Error::input(
+                    self.scheduler.asks(),
+                    "",
+                    None,
+                    format!("does not answer: {words}; nothing was submitted"),
+                ));
             }
             Err(words) => {
-                warn_once(told, format!("squeue does not answer: {words}; it is asked again, and what is in the queue goes on"));
+                let asked = self.scheduler.asks();
+                warn_once(told, format!("{asked} does not answer: {words}; it is asked again, and what is in the queue goes on"));
                 None
             }
         };
@@ -112,7 +124,7 @@ impl Crew<'_> {
                 (run.seen, run.gone) = (true, None);
                 *(if entry.runs() { &mut running } else { &mut waiting }) += 1;
                 if let Some(why) = entry.held() {
-                    warn_once(told, format!("runs wait in Slurm's queue: {why}"));
+                    warn_once(told, format!("runs wait in {}'s queue: {why}", self.scheduler.name()));
                 }
                 continue;
             }
@@ -164,7 +176,7 @@ impl Crew<'_> {
             run.gone = None;
             return Ok(Judged::Left);
         }
-        Ok(Judged::Ended(failed(job, array, element, state)))
+        Ok(Judged::Ended(failed(self.scheduler, job, array, element, state)))
     }
 
     /// Submits these runs, as one array for all that ask for the same, and gives their number; where it is refused, they are submitted at
@@ -174,7 +186,7 @@ impl Crew<'_> {
         // stable: runs stay in their order
         same.sort_by_key(|&i| self.needs[i]);
         let mut submitted = 0;
-        let most = if left.is_empty() { 1 } else { queue::most() };
+        let most = if left.is_empty() { 1 } else { self.scheduler.most() };
         for some in same.chunk_by(|&a, &b| self.needs[a] == self.needs[b]).flat_map(|all| all.chunks(most)) {
             match self.array(dir, runs, some) {
                 Ok(()) => {
@@ -212,9 +224,10 @@ impl Crew<'_> {
         }
         let cwd = std::env::current_dir().map_err(Error::read("the working directory"))?;
         let mut array = Array::write(dir, &some.iter().map(element).collect::<Vec<_>>(), &cwd)?;
-        match queue::submit(&self.arguments(&array, some.len(), self.needs[first])) {
+        match self.scheduler.submit(&array, some.len(), self.needs[first], self.parallel, self.options) {
             Ok(job) => {
-                self.progress.tell(&format!("{} of {} runs submitted to Slurm as job {job}", some.len(), runs.len()));
+                let name = self.scheduler.name();
+                self.progress.tell(&format!("{} of {} runs submitted to {name} as job {job}", some.len(), runs.len()));
                 array.submitted(job)
             }
             Err(e) => {
@@ -222,24 +235,6 @@ impl Crew<'_> {
                 Err(e)
             }
         }
-    }
-
-    /// Arguments of `sbatch`: what runs ask for, options of the user, which replace it, and what finds the array again, which nothing does.
-    fn arguments(&self, array: &Array, elements: usize, needs: Needs) -> Vec<String> {
-        let Needs { minutes, memory_mb, threads } = needs;
-        let of_the_runs =
-            [format!("--time={minutes}"), format!("--mem={memory_mb}M"), format!("--cpus-per-task={threads}"), "--requeue".into()];
-        let at_a_time = if self.parallel == 0 { String::new() } else { format!("%{}", self.parallel) };
-        let folder = array.folder.display();
-        let fixed = [
-            format!("--job-name={}", array.told.name),
-            format!("--array=1-{elements}{at_a_time}"),
-            format!("--output={folder}/%a.out"),
-            "--open-mode=append".into(),
-            array.script().display().to_string(),
-            folder.to_string(),
-        ];
-        of_the_runs.into_iter().chain(self.options.iter().cloned()).chain(fixed).collect()
     }
 
     /// Says what stays in the queue, if this process was asked to stop; files of runs that are done and say nothing go.
@@ -256,7 +251,8 @@ impl Crew<'_> {
         }
         if !jobs.is_empty() {
             let jobs = jobs.into_iter().collect::<Vec<_>>().join(" ");
-            host::warn(&format!("what is left of the runs stays in Slurm's queue; out of it takes them: scancel {jobs}"));
+            let (name, cancels) = (self.scheduler.name(), self.scheduler.cancels());
+            host::warn(&format!("what is left of the runs stays in {name}'s queue; out of it takes them: {cancels} {jobs}"));
         }
     }
 }
@@ -298,9 +294,9 @@ fn got_further(out: &Path, array: &Array) -> bool {
 }
 
 /// Outcome of an element that has ended without a finished run. `state`: what the queue says, where it still knows.
-fn failed(job: &Job, array: &Array, element: usize, state: Option<&str>) -> Outcome {
+fn failed(scheduler: Scheduler, job: &Job, array: &Array, element: usize, state: Option<&str>) -> Outcome {
     let text = |path: &Path| std::fs::read_to_string(path).unwrap_or_default();
-    let (said, of_slurm, code) = (text(&job.log()), text(&array.said(element)), array.code(element));
+    let (said, of_queue, code) = (text(&job.log()), text(&array.said(element)), array.code(element));
     let number = array.told.job.as_deref().unwrap_or("?");
     let last = |text: &str| text.lines().last().map(|line| format!(": {line}"));
     let how = match (state, code) {
@@ -309,12 +305,12 @@ fn failed(job: &Job, array: &Array, element: usize, state: Option<&str>) -> Outc
         (Some(state), _) => format!("ended as {state}"),
         (None, None) => "has left the queue".into(),
     };
-    let before = if code.is_none() && said.is_empty() && of_slurm.is_empty() { " before it wrote anything" } else { "" };
-    let words = last(&of_slurm).or_else(|| last(&said)).unwrap_or_default();
+    let before = if code.is_none() && said.is_empty() && of_queue.is_empty() { " before it wrote anything" } else { "" };
+    let words = last(&of_queue).or_else(|| last(&said)).unwrap_or_default();
     let own = own_words(&said);
     let reason = match (&own, state) {
         (Some(own), Some("FAILED") | None) => own.clone(),
-        _ => format!("element {element} of Slurm's job {number} {how}{before}{words}; called again, it goes on"),
+        _ => format!("element {element} of {}'s job {number} {how}{before}{words}; called again, it goes on", scheduler.name()),
     };
     let to_blame = matches!(code, Some(1..=3)) && own.is_some() || code == Some(PANIC);
     let log = if said.is_empty() { array.said(element) } else { job.log() };
@@ -354,7 +350,7 @@ mod tests {
     fn an_element_that_ends_is_told_by_name_and_the_scene_is_to_blame_for_its_own_errors_alone() {
         let dir = tempfile::tempdir().expect("folder");
         let (job, array) = array(dir.path());
-        let told = |state| match failed(&job, &array, 2, state) {
+        let told = |state| match failed(Scheduler::Slurm, &job, &array, 2, state) {
             Outcome::Failed { reason, log, outside } => (reason, log, outside),
             other => panic!("{other:?}"),
         };
@@ -405,28 +401,5 @@ mod tests {
             checkpoint.set_modified(when).expect("a time");
             assert_eq!(got_further(&job.out, &array), further);
         }
-    }
-
-    #[test]
-    fn options_of_the_user_replace_what_runs_ask_for_and_nothing_hides_the_array() {
-        let dir = tempfile::tempdir().expect("folder");
-        let (job, array) = array(dir.path());
-        let program = Program { file: "comminute".into(), first: Vec::new() };
-        let progress = Progress::new(1, true);
-        let needs = Needs { minutes: 32, memory_mb: 512, threads: 2 };
-        let options = ["--time=5".to_string(), "--job-name=mine".into()];
-        let crew = Crew {
-            jobs: &[job],
-            needs: &[needs],
-            program: &program,
-            options: &options,
-            parallel: 3,
-            force: false,
-            progress: &progress,
-        };
-        let all = crew.arguments(&array, 2, needs);
-        let at = |word: &str| all.iter().position(|a| a == word).unwrap_or_else(|| panic!("no {word} in {all:?}"));
-        assert!(at("--time=32") < at("--time=5") && at("--job-name=mine") < at(&format!("--job-name={}", array.told.name)));
-        assert!(at("--mem=512M") < at("--array=1-2%3") && at("--cpus-per-task=2") < at("--requeue"));
     }
 }

@@ -1,4 +1,4 @@
-//! What a campaign's folder `slurm` remembers of each array that was submitted: a folder with the runs of its elements.
+//! What a campaign's folder remembers of each array that was submitted to a scheduler: a folder with the runs of its elements.
 
 use super::super::job::shell_word;
 use laboratory::error::{Error, Result};
@@ -149,6 +149,14 @@ impl Array {
 }
 
 #[cfg(test)]
+impl Array {
+    /// An array of this name that was never written.
+    pub fn example(name: &str) -> Array {
+        Array { folder: "/arrays/1".into(), told: Told { name: name.into(), job: None, runs: Vec::new() } }
+    }
+}
+
+#[cfg(test)]
 mod tests {
     use super::*;
 
@@ -167,10 +175,10 @@ mod tests {
         assert!(array.told.name != again.told.name && array.folder.ends_with("1") && again.folder.ends_with("2"));
         again.remove();
         assert_eq!((array.element(&dir.path().join("d e")), array.element(dir.path())), (Some(2), None));
-        for (number, code) in [(1, 0), (2, 3)] {
+        for (number, code, variable) in [(1, 0, "SLURM_ARRAY_TASK_ID"), (2, 3, "HQ_TASK_ID")] {
             assert_eq!(array.code(number), None);
             let mut script = std::process::Command::new("sh");
-            script.arg(array.script()).arg(&array.folder).env("SLURM_ARRAY_TASK_ID", number.to_string());
+            script.arg(array.script()).arg(&array.folder).env_remove("HQ_TASK_ID").env(variable, number.to_string());
             assert_eq!(script.status().expect("a shell").code(), Some(code));
             assert_eq!(array.code(number), Some(code));
         }

@@ -1,46 +1,12 @@
 //! The commands of Slurm: what it is asked, and what it answers.
 
+use super::super::executor::Needs;
+use super::array::Array;
+use super::queue::{Entries, Entry, absent, words};
 use laboratory::error::{Error, Result};
 use laboratory::host;
-use std::collections::BTreeMap;
 use std::io::{BufRead, BufReader, Read};
 use std::process::{Command, Stdio};
-
-/// What Slurm says of an element of an array.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Entry {
-    /// State, as `RUNNING`.
-    pub state: String,
-    /// Why it waits.
-    pub reason: String,
-}
-
-/// States in which an element runs no more, nor will.
-const ENDED: [&str; 10] =
-    ["BOOT_FAIL", "CANCELLED", "COMPLETED", "DEADLINE", "FAILED", "NODE_FAIL", "OUT_OF_MEMORY", "PREEMPTED", "REVOKED", "TIMEOUT"];
-
-/// Reasons to wait that pass by themselves.
-const ORDINARY: [&str; 7] = ["None", "Priority", "Resources", "JobArrayTaskLimit", "BeginTime", "Dependency", "Cleaning"];
-
-impl Entry {
-    /// Whether it has ended.
-    pub fn ended(&self) -> bool {
-        ENDED.contains(&self.state.as_str())
-    }
-
-    /// Whether it runs.
-    pub fn runs(&self) -> bool {
-        !self.ended() && self.state != "PENDING"
-    }
-
-    /// Why it waits, where that may never end without help.
-    pub fn held(&self) -> Option<&str> {
-        (self.state == "PENDING" && !ORDINARY.contains(&self.reason.as_str())).then_some(&self.reason)
-    }
-}
-
-/// Elements by the name of their array and their number in it.
-pub type Entries = BTreeMap<(String, usize), Entry>;
 
 /// Asks for all elements of the arrays of these names that Slurm still knows; it forgets them some minutes after their ends.
 ///
@@ -119,21 +85,26 @@ pub fn most() -> usize {
 }
 
 fn missing(e: std::io::Error) -> Error {
-    let why = if e.kind() == std::io::ErrorKind::NotFound { "is not on the PATH".into() } else { e.to_string() };
-    Error::input(
-        "sbatch",
-        "",
-        None,
-        format!("{why}; runs are submitted where Slurm's commands are, as on the login node of a cluster"),
-    )
+    absent("sbatch", &e, "runs are submitted where Slurm's commands are, as on the login node of a cluster")
 }
 
-/// What a command has said, in one line without its own name.
-fn words(said: &str, name: &str) -> String {
-    let own = [format!("{name}: error: "), format!("{name}: ")];
-    let bare = |line: &str| own.iter().find_map(|own| line.strip_prefix(own.as_str())).unwrap_or(line).trim().to_string();
-    let lines: Vec<String> = said.lines().map(bare).filter(|line| !line.is_empty()).collect();
-    if lines.is_empty() { format!("{name} says nothing") } else { lines.join("; ") }
+/// Arguments of `sbatch`: what runs ask for, options of the user, which replace it, and what finds the array again, which nothing does.
+/// `parallel`: elements that run at a time, 0: as many as Slurm likes.
+pub fn arguments(array: &Array, elements: usize, needs: Needs, parallel: usize, options: &[String]) -> Vec<String> {
+    let Needs { minutes, memory_mb, threads } = needs;
+    let of_the_runs =
+        [format!("--time={minutes}"), format!("--mem={memory_mb}M"), format!("--cpus-per-task={threads}"), "--requeue".into()];
+    let at_a_time = if parallel == 0 { String::new() } else { format!("%{parallel}") };
+    let folder = array.folder.display();
+    let fixed = [
+        format!("--job-name={}", array.told.name),
+        format!("--array=1-{elements}{at_a_time}"),
+        format!("--output={folder}/%a.out"),
+        "--open-mode=append".into(),
+        array.script().display().to_string(),
+        folder.to_string(),
+    ];
+    of_the_runs.into_iter().chain(options.iter().cloned()).chain(fixed).collect()
 }
 
 #[cfg(test)]
@@ -153,9 +124,12 @@ mod tests {
     }
 
     #[test]
-    fn words_of_a_command_are_one_line() {
-        let said = "sbatch: error: invalid partition specified: none\nsbatch: error: Batch job submission failed: no\n\n";
-        assert_eq!(words(said, "sbatch"), "invalid partition specified: none; Batch job submission failed: no");
-        assert_eq!(words("", "squeue"), "squeue says nothing");
+    fn options_of_the_user_replace_what_runs_ask_for_and_nothing_hides_the_array() {
+        let array = Array::example("comminute-7");
+        let needs = Needs { minutes: 32, memory_mb: 512, threads: 2 };
+        let all = arguments(&array, 2, needs, 3, &["--time=5".into(), "--job-name=mine".into()]);
+        let at = |word: &str| all.iter().position(|a| a == word).unwrap_or_else(|| panic!("no {word} in {all:?}"));
+        assert!(at("--time=32") < at("--time=5") && at("--job-name=mine") < at("--job-name=comminute-7"));
+        assert!(at("--mem=512M") < at("--array=1-2%3") && at("--cpus-per-task=2") < at("--requeue"));
     }
 }
