@@ -1,15 +1,17 @@
 //! `comminute calibrate curve` as a user types it: a small scene, a curve that it made itself, runs that fail, kills in the middle.
 
+#[path = "common/called.rs"]
+mod called;
 #[cfg(target_os = "linux")]
 #[path = "common/processes.rs"]
 mod processes;
 
-use assert_cmd::cargo::cargo_bin;
+use called::{call, command, said};
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
-use std::process::{Command, Output, Stdio};
+use std::process::Stdio;
 use tempfile::TempDir;
 
 const ROOT: &str = env!("CARGO_MANIFEST_DIR");
@@ -32,23 +34,6 @@ fn folder() -> TempDir {
     );
     fs::write(dir.path().join("scene.toml"), text).expect("scene");
     dir
-}
-
-fn command(dir: &Path, args: &[&str]) -> Command {
-    let mut command = Command::new(cargo_bin("comminute"));
-    command.current_dir(dir).args(args).stdin(Stdio::null());
-    command
-}
-
-fn said(output: &Output) -> String {
-    String::from_utf8_lossy(&output.stderr).into_owned()
-}
-
-#[track_caller]
-fn call(dir: &Path, args: &[&str], code: i32) -> Output {
-    let output = command(dir, args).output().expect("started");
-    assert_eq!(output.status.code(), Some(code), "{args:?}\n{}", said(&output));
-    output
 }
 
 /// Points of the first loading of a run, each a quarter above the one before.

@@ -1,15 +1,17 @@
 //! Ensembles and sweeps from the command line: each run a process in its own folder, and nothing done twice.
 
+#[path = "common/called.rs"]
+mod called;
 #[path = "common/left.rs"]
 mod left;
 #[cfg(target_os = "linux")]
 #[path = "common/processes.rs"]
 mod processes;
 
-use assert_cmd::cargo::cargo_bin;
+use called::{call, command, said, text};
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::{Child, Command, Output, Stdio};
+use std::process::{Child, Command, Stdio};
 use std::time::{Duration, SystemTime};
 use tempfile::TempDir;
 
@@ -27,28 +29,6 @@ fn folder() -> TempDir {
     );
     fs::write(dir.path().join("scene.toml"), text).expect("scene");
     dir
-}
-
-fn command(dir: &TempDir, args: &[&str]) -> Command {
-    let mut command = Command::new(cargo_bin("comminute"));
-    command.current_dir(dir.path()).args(args).stdin(Stdio::null());
-    command
-}
-
-#[track_caller]
-fn call(dir: &TempDir, args: &[&str], code: i32) -> Output {
-    let output = command(dir, args).output().expect("started");
-    assert_eq!(output.status.code(), Some(code), "{args:?}\n{}", said(&output));
-    output
-}
-
-fn said(output: &Output) -> String {
-    String::from_utf8_lossy(&output.stderr).into_owned()
-}
-
-fn text(dir: &TempDir, file: &str) -> String {
-    let path = dir.path().join(file);
-    fs::read_to_string(&path).unwrap_or_else(|e| panic!("{}: {e}", path.display()))
 }
 
 /// When each history was last written: a run that is done again changes it.

@@ -1,5 +1,7 @@
 //! A plan from the command line: its runs, once, and the report with what was published beside.
 
+#[path = "common/called.rs"]
+mod called;
 #[path = "common/left.rs"]
 mod left;
 #[cfg(target_os = "linux")]
@@ -8,7 +10,7 @@ mod processes;
 #[path = "common/scenes_small.rs"]
 mod scenes_small;
 
-use assert_cmd::cargo::cargo_bin;
+use called::{said, text};
 use std::fs;
 use std::process::{Command, Output, Stdio};
 use tempfile::TempDir;
@@ -33,25 +35,12 @@ fn folder() -> TempDir {
 }
 
 fn command(dir: &TempDir, args: &[&str]) -> Command {
-    let mut command = Command::new(cargo_bin("comminute"));
-    command.current_dir(dir.path()).arg("reproduce").args(args).stdin(Stdio::null());
-    command
+    called::command(dir, &[&["reproduce"], args].concat())
 }
 
 #[track_caller]
 fn call(dir: &TempDir, args: &[&str], code: i32) -> Output {
-    let output = command(dir, args).output().expect("started");
-    assert_eq!(output.status.code(), Some(code), "{args:?}\n{}", said(&output));
-    output
-}
-
-fn said(output: &Output) -> String {
-    String::from_utf8_lossy(&output.stderr).into_owned()
-}
-
-fn text(dir: &TempDir, file: &str) -> String {
-    let path = dir.path().join(file);
-    fs::read_to_string(&path).unwrap_or_else(|e| panic!("{}: {e}", path.display()))
+    called::call(dir, &[&["reproduce"], args].concat(), code)
 }
 
 #[test]
@@ -351,8 +340,7 @@ fn the_plan_of_the_blocks_names_valid_scenes() {
 fn upscaling_with_the_specimen_scaled_too_changes_nothing() {
     let dir = folder();
     let run = |args: &[&str]| {
-        let output = Command::new(cargo_bin("comminute")).current_dir(dir.path()).arg("run").args(args).output().expect("started");
-        assert!(output.status.success(), "{}", said(&output));
+        called::call(&dir, &[&["run"], args].concat(), 0);
     };
     run(&["crushes.toml", "--quiet", "--out", "one"]);
     let specimen = text(&dir, "one/specimen.csv");

@@ -1,12 +1,13 @@
 //! A study from the command line: its runs, once, and the report with errors, times and effects.
 
+#[path = "common/called.rs"]
+mod called;
 #[path = "common/scenes_small.rs"]
 mod scenes_small;
 
-use assert_cmd::cargo::cargo_bin;
 use std::fs;
 use std::path::Path;
-use std::process::{Command, Output, Stdio};
+use std::process::Output;
 use tempfile::TempDir;
 
 const ROOT: &str = env!("CARGO_MANIFEST_DIR");
@@ -21,10 +22,7 @@ fn folder(plan: &str) -> TempDir {
 
 #[track_caller]
 fn call(dir: &TempDir, args: &[&str], code: i32) -> Output {
-    let mut command = Command::new(cargo_bin("comminute"));
-    let output = command.current_dir(dir.path()).arg("study").args(args).stdin(Stdio::null()).output().expect("started");
-    assert_eq!(output.status.code(), Some(code), "{args:?}\n{}", String::from_utf8_lossy(&output.stderr));
-    output
+    called::call(dir, &[&["study"], args].concat(), code)
 }
 
 fn rows(path: &Path) -> Vec<Vec<String>> {
