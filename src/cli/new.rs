@@ -30,6 +30,8 @@ enum Kind {
     Continuum,
     /// Coarse grains that break in a fine continuum
     Mixture,
+    /// One-dimensional compression of angular rocks that break
+    Rocks,
 }
 
 impl Kind {
@@ -40,6 +42,7 @@ impl Kind {
             Kind::Triaxial => (include_str!("templates/triaxial_scene.toml"), include_str!("templates/triaxial_material.toml")),
             Kind::Grains => (include_str!("templates/grains_scene.toml"), include_str!("templates/grains_material.toml")),
             Kind::Continuum => (include_str!("templates/continuum_scene.toml"), include_str!("templates/continuum_material.toml")),
+            Kind::Rocks => (include_str!("templates/rocks_scene.toml"), include_str!("templates/rocks_material.toml")),
             Kind::Mixture => (include_str!("templates/mixture_scene.toml"), include_str!("templates/mixture_material.toml")),
         };
         [("scene.toml", scene), ("material.toml", material)]
