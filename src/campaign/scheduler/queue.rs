@@ -150,7 +150,7 @@ pub fn absent(command: &str, e: &std::io::Error, advice: &str) -> Error {
 }
 
 /// What a command has said, in one line without its own name.
-fn words(said: &str, name: &str) -> String {
+pub fn words(said: &str, name: &str) -> String {
     let own = [format!("{name}: error: "), format!("{name}: ")];
     let bare = |line: &str| own.iter().find_map(|own| line.strip_prefix(own.as_str())).unwrap_or(line).trim().to_string();
     let lines: Vec<String> = said.lines().map(bare).filter(|line| !line.is_empty()).collect();
