@@ -1,7 +1,7 @@
 //! The snapshots of a run for a view in three dimensions: grains, points, surfaces of bodies and walls, with the quantities that colour them.
 
-use base64::Engine;
-use base64::engine::general_purpose::STANDARD;
+use super::blob::Blob;
+use super::contacts;
 use laboratory::error::Result;
 use laboratory::record::snapshot::{Array, Snapshot, list};
 use laboratory::run::{BLOCKS, COLLECTION, FINES, GRAINS, WALLS};
@@ -41,7 +41,7 @@ const FACTS: [(&str, &str, &str); 4] = [
 pub struct Frames {
     /// What there is and in which blob, at which place.
     pub value: Value,
-    /// Numbers in single precision, little-endian, in base 64: a text for each layer of each snapshot.
+    /// Numbers of four bytes, little-endian, in base 64: a text for each layer of each snapshot.
     pub blobs: Vec<String>,
 }
 
@@ -81,7 +81,13 @@ pub fn frames(dir: &Path, most: usize) -> Result<Frames> {
                 facts = noted(&snapshot);
             }
             if !snapshot.position.is_empty() {
-                layers.push(layer(&snapshot, walls, blobs.len(), &mut spans, &mut blobs));
+                let number = numbers(&snapshot);
+                let this = layer(&snapshot, walls, number.as_deref(), &mut spans, &mut blobs);
+                let grains = number.filter(|_| this["kind"] == "grains");
+                layers.push(this);
+                if let Some(numbers) = grains {
+                    layers.extend(contacts::layers(path, &numbers, &mut blobs)?);
+                }
                 // walls may reach far beyond what they hold
                 let counts = !walls || bounds[0][0] > bounds[1][0];
                 for place in snapshot.position.iter().filter(|_| counts) {
@@ -117,14 +123,15 @@ fn noted(snapshot: &Snapshot) -> Vec<Value> {
     FACTS.iter().filter_map(|(name, what, unit)| Some(json!([what, snapshot.fact(name)?, unit]))).collect()
 }
 
-/// Packs a snapshot into one blob and says where in it, counted in numbers, each array begins.
-fn layer(snapshot: &Snapshot, walls: bool, blob: usize, spans: &mut Vec<Span>, blobs: &mut Vec<String>) -> Value {
-    let mut numbers: Vec<f32> = Vec::new();
-    let mut put = |values: &mut dyn Iterator<Item = f64>| {
-        let at = numbers.len();
-        numbers.extend(values.map(|x| x as f32));
-        at
-    };
+/// The numbers of the grains or points, or of the body of each triangle; `None` where the snapshot has none.
+fn numbers(snapshot: &Snapshot) -> Option<Vec<u32>> {
+    let array = snapshot.array("id").or_else(|| snapshot.array("block"))?;
+    Some(array.values.iter().map(|x| *x as u32).collect())
+}
+
+/// Packs a snapshot, whose grains, points or triangles have these numbers, into one blob and says where in it, counted in numbers, each array begins.
+fn layer(snapshot: &Snapshot, walls: bool, number: Option<&[u32]>, spans: &mut Vec<Span>, blobs: &mut Vec<String>) -> Value {
+    let mut blob = Blob::default();
     let surface = !snapshot.triangles.is_empty();
     let radii = snapshot.array("radius").or_else(|| snapshot.array("radius_m"));
     let (kind, count) = match surface {
@@ -132,17 +139,20 @@ fn layer(snapshot: &Snapshot, walls: bool, blob: usize, spans: &mut Vec<Span>, b
         false => (if radii.is_some() { "grains" } else { "points" }, snapshot.position.len()),
     };
     if surface {
-        put(&mut snapshot.triangles.iter().flatten().flat_map(|&corner| snapshot.position[corner as usize]));
+        blob.real(snapshot.triangles.iter().flatten().flat_map(|&corner| snapshot.position[corner as usize]));
     } else {
-        put(&mut snapshot.position.iter().flatten().copied());
+        blob.real(snapshot.position.iter().flatten().copied());
     }
     let mut places = Map::new();
+    if let Some(number) = number.filter(|_| !walls) {
+        places.insert("number".into(), json!(blob.whole(number.iter().copied())));
+    }
     if !surface {
         let radius = match (radii, snapshot.array("volume_m3")) {
-            (Some(radius), _) => put(&mut radius.values.iter().copied()),
+            (Some(radius), _) => blob.real(radius.values.iter().copied()),
             // a point is shown as a ball as wide as a cube of its volume
-            (None, Some(volume)) => put(&mut volume.values.iter().map(|v| 0.5 * v.max(0.0).cbrt())),
-            (None, None) => put(&mut std::iter::repeat_n(f64::NAN, count)),
+            (None, Some(volume)) => blob.real(volume.values.iter().map(|v| 0.5 * v.max(0.0).cbrt())),
+            (None, None) => blob.real(std::iter::repeat_n(f64::NAN, count)),
         };
         places.insert("radius".into(), json!(radius));
     }
@@ -150,12 +160,10 @@ fn layer(snapshot: &Snapshot, walls: bool, blob: usize, spans: &mut Vec<Span>, b
     for (array, what, unit, name) in QUANTITIES.iter().filter(|_| !walls) {
         let Some(values) = snapshot.array(array).and_then(scalars).filter(|_| !fields.contains_key(*name)) else { continue };
         widen(spans, (name, what, unit), &values);
-        let at = put(&mut values.into_iter());
-        fields.insert((*name).into(), json!(at));
+        fields.insert((*name).into(), json!(blob.real(values.into_iter())));
     }
-    let bytes: Vec<u8> = numbers.iter().flat_map(|x| x.to_le_bytes()).collect();
-    blobs.push(STANDARD.encode(bytes));
-    json!({ "kind": kind, "count": count, "blob": blob, "places": places, "fields": fields })
+    blobs.push(blob.text());
+    json!({ "kind": kind, "count": count, "blob": blobs.len() - 1, "places": places, "fields": fields })
 }
 
 /// A number for each entry: the values of a scalar, the lengths of vectors; `None` for tensors.
@@ -209,14 +217,15 @@ mod tests {
             ..Snapshot::default()
         };
         let (mut spans, mut blobs) = (Vec::new(), Vec::new());
-        let layer = layer(&snapshot, false, 0, &mut spans, &mut blobs);
-        let bytes = STANDARD.decode(&blobs[0]).expect("base 64");
-        let numbers: Vec<f32> = bytes.as_chunks::<4>().0.iter().map(|c| f32::from_le_bytes(*c)).collect();
+        let layer = layer(&snapshot, false, numbers(&snapshot).as_deref(), &mut spans, &mut blobs);
+        let words = super::super::blob::tests::words(&blobs[0]);
+        let numbers: Vec<f32> = words.iter().map(|x| f32::from_bits(*x)).collect();
         let at = |place: &Value| place.as_u64().expect("place") as usize;
         assert_eq!((layer["kind"].as_str(), layer["count"].as_u64()), (Some("grains"), Some(2)));
         assert_eq!(numbers[..6], [1.0, 2.0, 3.0, 4.0, 5.0, 6.0]);
         assert_eq!(numbers[at(&layer["places"]["radius"])..][..2], [0.5, 0.25]);
         assert_eq!(numbers[at(&layer["fields"]["speed"])..][..2], [5.0, 1.0]);
+        assert_eq!(words[at(&layer["places"]["number"])..][..2], [9, 8]);
         assert!(layer["fields"].get("id").is_none());
         let strength = spans.iter().find(|s| s.name == "strength").expect("span");
         assert_eq!((strength.low, strength.high), (7.0, 7.0), "what cannot break has no place on the scale");
