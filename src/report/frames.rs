@@ -55,11 +55,12 @@ struct Span {
     least_positive: f64,
 }
 
-/// Reads at most `most` of the snapshots that the run in `dir` has left, the first and the last among them.
+/// Reads at most `most` of the snapshots that the run in `dir` has left, the first and the last among them. In `plane` strain volumes are those of a metre
+/// across the plane.
 ///
 /// # Errors
 /// A list or a snapshot that is damaged, by name.
-pub fn frames(dir: &Path, most: usize) -> Result<Frames> {
+pub fn frames(dir: &Path, most: usize, plane: bool) -> Result<Frames> {
     let lists = [COLLECTION, GRAINS, FINES, BLOCKS, WALLS].map(|name| list(&dir.join(name)));
     let lists: Vec<Vec<(f64, PathBuf)>> = lists.into_iter().collect::<Result<_>>()?;
     let mut times: Vec<f64> = lists.iter().flatten().map(|(at, _)| *at).collect();
@@ -70,6 +71,7 @@ pub fn frames(dir: &Path, most: usize) -> Result<Frames> {
     let mut spans: Vec<Span> = Vec::new();
     let mut instants = Vec::new();
     let mut bounds = [[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]];
+    let mut heights = [f64::INFINITY, f64::NEG_INFINITY];
     for &time in &kept {
         let mut layers = Vec::new();
         let mut facts = Vec::new();
@@ -82,25 +84,29 @@ pub fn frames(dir: &Path, most: usize) -> Result<Frames> {
             }
             if !snapshot.position.is_empty() {
                 let number = numbers(&snapshot);
-                let this = layer(&snapshot, walls, number.as_deref(), &mut spans, &mut blobs);
+                let this = layer(&snapshot, (walls, plane), number.as_deref(), &mut spans, &mut blobs);
                 let grains = number.filter(|_| this["kind"] == "grains");
                 layers.push(this);
                 if let Some(numbers) = grains {
                     layers.extend(contacts::layers(path, &numbers, &mut blobs)?);
                 }
                 // walls may reach far beyond what they hold
-                let counts = !walls || bounds[0][0] > bounds[1][0];
-                for place in snapshot.position.iter().filter(|_| counts) {
-                    for a in 0..3 {
-                        bounds[0][a] = bounds[0][a].min(place[a]);
-                        bounds[1][a] = bounds[1][a].max(place[a]);
+                if !walls || bounds[0][0] > bounds[1][0] {
+                    let radii = radii(&snapshot, plane).unwrap_or_default();
+                    for (i, place) in snapshot.position.iter().enumerate() {
+                        let radius = radii.get(i).copied().unwrap_or(0.0);
+                        for (a, x) in place.iter().enumerate() {
+                            bounds[0][a] = bounds[0][a].min(x - radius);
+                            bounds[1][a] = bounds[1][a].max(x + radius);
+                        }
+                        heights = [heights[0].min(place[2]), heights[1].max(place[2])];
                     }
                 }
             }
         }
         instants.push(json!({ "facts": facts, "layers": layers }));
     }
-    let flat = bounds[0][2] == bounds[1][2];
+    let flat = heights[0] == heights[1];
     let fields: Vec<Value> = spans
         .iter()
         .map(|s| json!({ "name": s.name, "what": s.what, "unit": s.unit, "low": s.low, "high": s.high, "leastPositive": s.least_positive }))
@@ -129,14 +135,28 @@ fn numbers(snapshot: &Snapshot) -> Option<Vec<u32>> {
     Some(array.values.iter().map(|x| *x as u32).collect())
 }
 
+/// Radii of grains, m; of points those of balls as wide as a cube of their volume, in `plane` strain as a square of their area. `None` where the snapshot
+/// has neither.
+fn radii(snapshot: &Snapshot, plane: bool) -> Option<Vec<f64>> {
+    let edge = if plane { f64::sqrt } else { f64::cbrt };
+    let known = snapshot.array("radius").or_else(|| snapshot.array("radius_m")).map(|radius| radius.values.clone());
+    known.or_else(|| Some(snapshot.array("volume_m3")?.values.iter().map(|v| 0.5 * edge(v.max(0.0))).collect()))
+}
+
 /// Packs a snapshot, whose grains, points or triangles have these numbers, into one blob and says where in it, counted in numbers, each array begins.
-fn layer(snapshot: &Snapshot, walls: bool, number: Option<&[u32]>, spans: &mut Vec<Span>, blobs: &mut Vec<String>) -> Value {
+fn layer(
+    snapshot: &Snapshot,
+    (walls, plane): (bool, bool),
+    number: Option<&[u32]>,
+    spans: &mut Vec<Span>,
+    blobs: &mut Vec<String>,
+) -> Value {
     let mut blob = Blob::default();
     let surface = !snapshot.triangles.is_empty();
-    let radii = snapshot.array("radius").or_else(|| snapshot.array("radius_m"));
+    let grown = snapshot.array("radius").or_else(|| snapshot.array("radius_m")).is_some();
     let (kind, count) = match surface {
         true => (if walls { "walls" } else { "surface" }, snapshot.triangles.len()),
-        false => (if radii.is_some() { "grains" } else { "points" }, snapshot.position.len()),
+        false => (if grown { "grains" } else { "points" }, snapshot.position.len()),
     };
     if surface {
         blob.real(snapshot.triangles.iter().flatten().flat_map(|&corner| snapshot.position[corner as usize]));
@@ -148,11 +168,9 @@ fn layer(snapshot: &Snapshot, walls: bool, number: Option<&[u32]>, spans: &mut V
         places.insert("number".into(), json!(blob.whole(number.iter().copied())));
     }
     if !surface {
-        let radius = match (radii, snapshot.array("volume_m3")) {
-            (Some(radius), _) => blob.real(radius.values.iter().copied()),
-            // a point is shown as a ball as wide as a cube of its volume
-            (None, Some(volume)) => blob.real(volume.values.iter().map(|v| 0.5 * v.max(0.0).cbrt())),
-            (None, None) => blob.real(std::iter::repeat_n(f64::NAN, count)),
+        let radius = match radii(snapshot, plane) {
+            Some(radii) => blob.real(radii.into_iter()),
+            None => blob.real(std::iter::repeat_n(f64::NAN, count)),
         };
         places.insert("radius".into(), json!(radius));
     }
@@ -217,7 +235,7 @@ mod tests {
             ..Snapshot::default()
         };
         let (mut spans, mut blobs) = (Vec::new(), Vec::new());
-        let layer = layer(&snapshot, false, numbers(&snapshot).as_deref(), &mut spans, &mut blobs);
+        let layer = layer(&snapshot, (false, false), numbers(&snapshot).as_deref(), &mut spans, &mut blobs);
         let words = super::super::blob::tests::words(&blobs[0]);
         let numbers: Vec<f32> = words.iter().map(|x| f32::from_bits(*x)).collect();
         let at = |place: &Value| place.as_u64().expect("place") as usize;

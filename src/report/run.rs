@@ -72,7 +72,7 @@ pub fn shown(dir: &Path, name: &str, page: &Path, snapshots: usize) -> Result<Sh
         Some(_) => None,
     };
     let known = summary.clone().unwrap_or(Value::Null);
-    let frames = frames::frames(dir, snapshots)?;
+    let frames = frames::frames(dir, snapshots, resolved.lines().any(|line| line == "plane_strain = true"))?;
     let quality: Vec<Value> = QUALITY
         .iter()
         .filter_map(|(path, what, unit)| Some(json!([what, known.pointer(path).filter(|v| !v.is_null())?, unit])))

@@ -147,7 +147,7 @@ function described(layer, index, field, all) {
   if (layer.kind === "grains") lines.push(`grain ${number}`, told("radius", layer.radii[index], "m"));
   else if (layer.kind === "points") {
     lines.push(`point ${number}`);
-    if (layer.sized) lines.push(told("edge of its cube", 2 * layer.radii[index], "m"));
+    if (layer.sized) lines.push(told("edge", 2 * layer.radii[index], "m"));
   } else {
     const volume = layer.numbers ? enclosed(layer, index) : 0;
     lines.push(`body ${number}`);

@@ -137,6 +137,8 @@ async function view(section, runs) {
     if (found) values.replaceChildren(...telling(found).map((line) => make("div", {}, line)));
     else if (state.chosen) values.textContent = `${NAMES[state.chosen.kind]} ${state.chosen.number} is not shown in this snapshot`;
     else values.textContent = "nothing is chosen";
+    // print has no use for it then
+    values.parentElement?.classList.toggle("only-screen", !found);
     wanted.value = state.chosen && state.chosen.kind in NAMES ? state.chosen.number : "";
   }
   /* The next body of the chosen kind, or the one before it, that is not cut away. */
@@ -313,8 +315,8 @@ async function view(section, runs) {
     layer.force.forEach((force, i) => tone.set(onScale(force, range, colours), 3 * i));
     return quads(layer, { from: new THREE.InterleavedBufferAttribute(ends, 3, 0), to: new THREE.InterleavedBufferAttribute(ends, 3, 3), width: each(layer.widths, 1), tone: each(tone, 3) });
   }
-  /* Thin lines need colours that stand out from the ground. */
-  const chainColours = () => palette.sequence.map(readable);
+  /* Thin lines, which are of small forces, need colours that stand out from a dark ground. */
+  const chainColours = () => (luminance(tone("--panel")) < 0.2 ? palette.sequence.map(readable) : palette.sequence);
   /* Limits of the scale of forces, N; a logarithmic one has three decades. */
   function forceRange() {
     const most = strongest(state.own ? [frames().list[state.frame]] : frames().list);
@@ -387,7 +389,12 @@ async function view(section, runs) {
     box.checked = checked;
     return make("label", {}, box, ` ${label}`);
   };
-  const slider = make("input", { type: "range", min: 0, step: 1, id: "snapshot", input: () => { state.frame = Number(slider.value); build(); } });
+  const slider = make("input", { type: "range", min: 0, step: 1, id: "snapshot", input: () => {
+    state.frame = Number(slider.value);
+    // a contact has no number by which it would be found in another snapshot
+    if (CHAINS.includes(state.chosen?.kind)) state.chosen = null;
+    build();
+  } });
   const fields = make("select", { id: "field", change: () => { state.field = fields.value; build(); } });
   const kinds = make("div", { class: "row" });
   const place = make("input", { type: "range", min: 0, max: 1, step: 0.005, value: state.at, "aria-label": "place of the cut", input: () => { state.at = Number(place.value); draw(); } });
@@ -434,7 +441,7 @@ async function view(section, runs) {
     make("fieldset", {}, make("legend", {}, "Instant"),
       runs.length > 1 ? choice("run", runs.map((r, i) => [i, r.name]), (i) => take(runs[i])) : null,
       make("label", { for: "snapshot" }, "snapshot"), slider, said, note),
-    make("fieldset", {}, make("legend", {}, "Colour"), fields, scale,
+    make("fieldset", {}, make("legend", {}, "Colour"), fields, scale, chains,
       make("div", { class: "row" }, tick("logarithmic", (on) => { state.log = on; build(); }), tick("scale of this snapshot alone", (on) => { state.own = on; build(); }))),
     make("fieldset", { class: "only-screen" }, make("legend", {}, "Cut"),
       choice("plane across", [["", "none"], ["x", "x"], ["y", "y"], ["z", "z (height)"]], (axis) => {
@@ -449,7 +456,7 @@ async function view(section, runs) {
       make("p", { class: "quiet small only-screen" }, "Point at a body, click to choose it, or type its number. Keys in the view: N next, P previous, Escape none.")),
     make("fieldset", { class: "only-screen" }, make("legend", {}, "View"),
       make("div", { class: "row" }, button("oblique", () => look([0.42, -0.9, 0.45])), button("front", () => look([0, -1, 0])), button("side", () => look([1, 0, 0])), button("top", () => look([0, 0, 1]))),
-      kinds, chains,
+      kinds,
       make("p", { class: "quiet small" }, "Drag or arrow keys turn, wheel or + and − zoom, right button moves.")));
   fields.setAttribute("aria-label", "colour by");
   const colours = () => {
