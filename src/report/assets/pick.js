@@ -6,8 +6,8 @@ function openPart({ origin, direction }, slab) {
   if (!slab) return [-Infinity, Infinity];
   const s = dot(slab.normal, origin) - slab.at;
   const rise = dot(slab.normal, direction);
-  if (Math.abs(rise) < 1e-9) return s > 0 || s < -slab.thick ? [Infinity, -Infinity] : [-Infinity, Infinity];
-  const ends = [-s / rise, (-s - slab.thick) / rise];
+  if (Math.abs(rise) < 1e-9) return s > 0 || s < -slab.thickness ? [Infinity, -Infinity] : [-Infinity, Infinity];
+  const ends = [-s / rise, (-s - slab.thickness) / rise];
   return [Math.min(...ends), Math.max(...ends)];
 }
 
@@ -89,7 +89,7 @@ function linesMet({ origin: o, direction: d, right, up }, { count, ends, widths 
     if ((a[0] + share * x) ** 2 + (a[1] + share * y) ** 2 > width * width) continue;
     if (slab) {
       const s = dot(slab.normal, [0, 1, 2].map((j) => (ends[k + j] + ends[k + 3 + j]) / 2)) - slab.at;
-      if (s > 0 || s < -slab.thick) continue;
+      if (s > 0 || s < -slab.thickness) continue;
     }
     const at = a[2] + share * (b[2] - a[2]) - width;
     if (at < length) [length, index] = [at, i];
