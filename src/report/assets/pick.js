@@ -115,6 +115,23 @@ function around({ kind, count, centres, radii, corners, ends, numbers }, index) 
   return { centre: low.map((x, a) => (x + high[a]) / 2), radius: Math.hypot(...low.map((x, a) => high[a] - x)) / 2 };
 }
 
+/* Where the next larger number of a layer stands, or with `way` -1 the next smaller one, after that at `index` or of all; null for none. Balls that are cut
+   away do not count. */
+function neighbour(layer, index, way, slab) {
+  const number = (i) => (layer.numbers ? layer.numbers[i] : i);
+  let best = null;
+  for (let i = 0; i < layer.count; i++) {
+    if (index !== undefined && way * (number(i) - number(index)) <= 0) continue;
+    if (best !== null && way * (number(i) - number(best)) >= 0) continue;
+    if (slab && layer.centres) {
+      const s = dot(slab.normal, layer.centres.subarray(3 * i, 3 * i + 3)) - slab.at;
+      if (s > layer.radii[i] || s < -slab.thickness - layer.radii[i]) continue;
+    }
+    best = i;
+  }
+  return best;
+}
+
 /* Volume, m³, within the triangles of the body to which a triangle belongs; 0 for a flat one. */
 function enclosed({ count, corners: c, numbers }, index) {
   let six = 0;

@@ -127,13 +127,14 @@ async function view(section, runs) {
   }
   const telling = (found) => (found ? described(found.layer, found.index, fieldOf(), layers) : null);
   function choose(found) {
-    // contacts have no number of their own that lasts
     state.chosen = found ? { kind: found.layer.kind, number: found.layer.numbers ? found.layer.numbers[found.index] : found.index } : null;
     tell();
     draw();
   }
   function tell() {
     const found = chosen();
+    // a contact has no number by which it would be found again
+    if (!found && CHAINS.includes(state.chosen?.kind)) state.chosen = null;
     if (found) values.replaceChildren(...telling(found).map((line) => make("div", {}, line)));
     else if (state.chosen) values.textContent = `${NAMES[state.chosen.kind]} ${state.chosen.number} is not shown in this snapshot`;
     else values.textContent = "nothing is chosen";
@@ -141,25 +142,11 @@ async function view(section, runs) {
     values.parentElement?.classList.toggle("only-screen", !found);
     wanted.value = state.chosen && state.chosen.kind in NAMES ? state.chosen.number : "";
   }
-  /* The next body of the chosen kind, or the one before it, that is not cut away. */
+  /* Chooses the next body of the chosen kind, or the one before it. */
   function step(way) {
-    const found = chosen();
-    const layer = found?.layer || shownLayers().find((l) => l.kind in NAMES);
-    if (!layer) return;
-    const cut = slab();
-    const number = (i) => (layer.numbers ? layer.numbers[i] : i);
-    let best = null;
-    for (let i = 0; i < layer.count; i++) {
-      const beyond = found ? way * (number(i) - number(found.index)) : 1 + way * number(i);
-      if (found ? beyond <= 0 : false) continue;
-      if (best !== null && way * (number(i) - number(best)) >= 0) continue;
-      if (cut && layer.centres) {
-        const s = dot(cut.normal, around(layer, i).centre) - cut.at;
-        if (s > layer.radii[i] || s < -cut.thickness - layer.radii[i]) continue;
-      }
-      best = i;
-    }
-    if (best !== null) choose({ layer, index: best });
+    const layer = chosen()?.layer || shownLayers().find((l) => l.kind in NAMES);
+    const index = layer ? neighbour(layer, chosen()?.index, way, slab()) : null;
+    if (index !== null) choose({ layer, index });
   }
   // dark within light: it stands out from every colour
   const rings = ["--ink", "--panel"].map((name, i) => {
@@ -391,7 +378,6 @@ async function view(section, runs) {
   };
   const slider = make("input", { type: "range", min: 0, step: 1, id: "snapshot", input: () => {
     state.frame = Number(slider.value);
-    // a contact has no number by which it would be found in another snapshot
     if (CHAINS.includes(state.chosen?.kind)) state.chosen = null;
     build();
   } });
