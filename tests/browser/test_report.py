@@ -249,6 +249,20 @@ def test_a_chosen_grain_shows_its_values_in_every_snapshot(browser: webdriver.Ch
     unharmed(browser)
 
 
+def test_a_body_has_the_size_of_its_volume(browser: webdriver.Chrome, tmp_path: Path) -> None:
+    # stopped at once: cubes with edges of 100 mm in their places
+    stopped = subprocess.run([COMMAND, "run", "experiments/blocks/tower.toml", "--stop-after", "10", "--quiet", "--out", tmp_path / "tower"], cwd=ROOT)
+    assert stopped.returncode == 130
+    comminute("report", tmp_path / "tower")
+    opened(browser, tmp_path / "tower" / "report.html")
+    browser.find_element(By.ID, "wanted").send_keys("4", Keys.TAB)
+    lines = browser.find_element(By.ID, "values").text.splitlines()
+    assert lines[0] == "body 4" and lines[1].endswith(" (ball of its volume)")
+    value, unit = number(lines[1].removesuffix(" (ball of its volume)"))
+    assert unit == "mm" and value == pytest.approx(100.0 * (6.0 / np.pi) ** (1.0 / 3.0), rel=1e-3)
+    unharmed(browser)
+
+
 # On a grid over the view: whether the pixel is of another colour than the ground, and what stands there
 GRID = """const canvas = document.querySelector('#specimen canvas'); report.view.pixels();
     const copy = Object.assign(document.createElement('canvas'), { width: canvas.width, height: canvas.height });

@@ -97,22 +97,34 @@ function linesMet({ origin: o, direction: d, right, up }, { count, ends, widths 
   return index < 0 ? null : { index, length };
 }
 
+/* Calls `act` with the place of the first number of each triangle of the body to which a triangle belongs. */
+function ofBody({ count, numbers }, index, act) {
+  for (let i = 0; i < count; i++) {
+    if (numbers ? numbers[i] === numbers[index] : i === index) act(9 * i);
+  }
+}
+
 /* Centre and radius of what stands at an index of a layer, for a mark around it. */
-function around({ kind, count, centres, radii, corners, ends, numbers }, index) {
+function around(layer, index) {
+  const { centres, radii, corners, ends } = layer;
   if (centres) return { centre: [0, 1, 2].map((a) => centres[3 * index + a]), radius: radii[index] };
   if (ends) {
     const [from, to] = [0, 3].map((k) => [0, 1, 2].map((a) => ends[6 * index + k + a]));
     return { centre: from.map((x, a) => (x + to[a]) / 2), radius: Math.hypot(...from.map((x, a) => x - to[a])) / 2 };
   }
   const [low, high] = [[Infinity, Infinity, Infinity], [-Infinity, -Infinity, -Infinity]];
-  for (let i = 0; i < count; i++) {
-    if (kind !== "surface" || (numbers ? numbers[i] !== numbers[index] : i !== index)) continue;
+  ofBody(layer, index, (at) => {
     for (let k = 0; k < 9; k++) {
-      low[k % 3] = Math.min(low[k % 3], corners[9 * i + k]);
-      high[k % 3] = Math.max(high[k % 3], corners[9 * i + k]);
+      low[k % 3] = Math.min(low[k % 3], corners[at + k]);
+      high[k % 3] = Math.max(high[k % 3], corners[at + k]);
     }
-  }
-  return { centre: low.map((x, a) => (x + high[a]) / 2), radius: Math.hypot(...low.map((x, a) => high[a] - x)) / 2 };
+  });
+  const centre = low.map((x, a) => (x + high[a]) / 2);
+  let square = 0;
+  ofBody(layer, index, (at) => {
+    for (let k = 0; k < 9; k += 3) square = Math.max(square, centre.reduce((sum, x, a) => sum + (corners[at + k + a] - x) ** 2, 0));
+  });
+  return { centre, radius: Math.sqrt(square) };
 }
 
 /* Where the next larger number of a layer stands, or with `way` -1 the next smaller one, after that at `index` or of all; null for none. Balls that are cut
@@ -132,16 +144,18 @@ function neighbour(layer, index, way, slab) {
   return best;
 }
 
-/* Volume, m³, within the triangles of the body to which a triangle belongs; 0 for a flat one. */
-function enclosed({ count, corners: c, numbers }, index) {
-  let six = 0;
-  for (let i = 0; i < count; i++) {
-    if (numbers[i] !== numbers[index]) continue;
+/* Diameter, m, of a ball of the volume within the triangles of the body to which a triangle belongs; of a flat one of a disc of its area. */
+function sizeOf(layer, index) {
+  const { corners: c } = layer;
+  let [six, twice] = [0, 0];
+  ofBody(layer, index, (at) => {
     // from a corner of the body, so that nothing is lost to its distance from the origin
-    const [a, b, e] = [0, 3, 6].map((k) => [0, 1, 2].map((j) => c[9 * i + k + j] - c[9 * index + j]));
-    six += a[0] * (b[1] * e[2] - b[2] * e[1]) + a[1] * (b[2] * e[0] - b[0] * e[2]) + a[2] * (b[0] * e[1] - b[1] * e[0]);
-  }
-  return Math.abs(six) / 6;
+    const [a, b, e] = [0, 3, 6].map((k) => [0, 1, 2].map((j) => c[at + k + j] - c[9 * index + j]));
+    const across = (u, v) => [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
+    six += dot(a, across(b, e));
+    twice += Math.hypot(...across(b.map((x, j) => x - a[j]), e.map((x, j) => x - a[j])));
+  });
+  return six === 0 ? [Math.sqrt((2 * twice) / Math.PI), "disc of its area"] : [Math.cbrt(Math.abs(six) / Math.PI), "ball of its volume"];
 }
 
 /* A quantity in words: name, value, unit that suits its size. */
@@ -166,9 +180,8 @@ function described(layer, index, field, all) {
     lines.push(`point ${number}`);
     if (layer.sized) lines.push(told("edge", 2 * layer.radii[index], "m"));
   } else {
-    const volume = layer.numbers ? enclosed(layer, index) : 0;
-    lines.push(`body ${number}`);
-    if (volume > 0) lines.push(`${told("diameter", Math.cbrt((6 * volume) / Math.PI), "m")} (ball of its volume)`);
+    const [size, meant] = sizeOf(layer, index);
+    lines.push(`body ${number}`, `${told("diameter", size, "m")} (${meant})`);
   }
   const value = (name) => (layer.fields[name] === undefined ? null : layer.part(layer.fields[name], layer.count)[index]);
   if (value("generation") !== null) lines.push(`generation ${value("generation")}`);
