@@ -350,6 +350,29 @@ fn runs_are_shown_by_a_page() {
     assert!(!folder.path().join("run/report.html").exists());
 }
 
+/// A scene may ask for the page, and a run that is taken up again writes it; a finished run lacks it only where it is not there.
+#[test]
+fn a_scene_or_a_resumed_run_writes_the_page() {
+    let folder = folder();
+    let at = |name: &str| folder.path().join(name).display().to_string();
+    let page = |run: &str| folder.path().join(run).join("report.html");
+    let run = |out: &str, more: &[&str]| {
+        let out = at(out);
+        comminute(&[&["run", "experiments/free/hertz_impact.toml", "--quiet", "--out", &out], more].concat())
+    };
+    run("asked", &["--set", "records.report=true"]).success().stderr("");
+    assert!(page("asked").is_file());
+    fs::remove_file(page("asked")).expect("removed");
+    run("asked", &["--set", "records.report=true", "--continue"]).success();
+    assert!(page("asked").is_file());
+    for (name, key, option) in [("key", "records.report=true", &[][..]), ("option", "records.report=false", &["--report"])] {
+        run(name, &["--set", key, "--stop-after", "100"]).code(130);
+        assert!(!page(name).exists());
+        comminute(&[&["resume", &at(name), "--quiet"], option].concat()).success();
+        assert!(page(name).is_file(), "{name}");
+    }
+}
+
 /// Numbers of the columns of a table of grains.
 fn numbers(path: &str, columns: &[&str]) -> Vec<f64> {
     let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).from_path(path).expect("a table");

@@ -8,6 +8,15 @@ use comminute::{ResumeOptions, figure};
 use pyo3::prelude::*;
 use std::path::PathBuf;
 
+/// Draws the figures of a run that has ended and writes its page, as far as its scene asks for them.
+pub fn complete(outcome: &mut comminute::Outcome) -> comminute::Result<()> {
+    figure::complete(outcome)?;
+    if outcome.report {
+        comminute::report::write_run(&outcome.out)?;
+    }
+    Ok(())
+}
+
 /// Continues the run in a folder, draws its figures, and gives its summary as JSON.
 #[pyfunction]
 #[pyo3(signature = (folder, *, threads, backend, stop_after, tell))]
@@ -23,7 +32,7 @@ pub fn resume(
     let options = ResumeOptions { threads, quiet: false, json: false, stop_after, backend };
     let outcome = watched(py, tell.as_ref(), |_| {
         let mut outcome = comminute::resume(&folder, options)?;
-        figure::complete(&mut outcome)?;
+        complete(&mut outcome)?;
         Ok(outcome)
     })?;
     Ok(outcome.summary.to_string())

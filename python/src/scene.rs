@@ -1,11 +1,12 @@
 //! Scenes.
 
 use crate::error::raised;
+use crate::records::complete;
 use crate::value::to_python;
 use crate::watch::watched;
 use comminute::machine::Pace;
 use comminute::run::{Backend, SceneOptions, run_scene};
-use comminute::{bench, figure, scene};
+use comminute::{bench, scene};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use std::path::PathBuf;
@@ -67,7 +68,7 @@ impl Scene {
         Ok(scene::in_json(&self.0, &checked.model, &checked.estimate).to_string())
     }
 
-    /// Makes the run, or what is left of it, draws its figures, and gives its folder and its summary as JSON.
+    /// Makes the run, or what is left of it, draws its figures, writes its page if the scene asks for one, and gives its folder and its summary as JSON.
     #[pyo3(signature = (*, out, threads, backend, force, left, stop_after, tell))]
     #[expect(clippy::too_many_arguments, reason = "named options of one call")]
     fn run(
@@ -85,7 +86,7 @@ impl Scene {
         let options = SceneOptions { out, threads, backend, force, left, stop_after, quiet: false, json: false };
         let outcome = watched(py, tell.as_ref(), |say| {
             let mut outcome = run_scene(&self.0, options, say)?;
-            figure::complete(&mut outcome)?;
+            complete(&mut outcome)?;
             Ok(outcome)
         })?;
         Ok((outcome.out, outcome.summary.to_string()))

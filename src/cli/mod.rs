@@ -251,26 +251,25 @@ pub fn print(text: &str) -> Result<()> {
     }
 }
 
-/// Draws the figures of a run if the scene asks for them, and prints its results, its warnings and
-/// its folder.
-pub fn close(mut outcome: comminute::run::Outcome, quiet: bool, json: bool) -> Result<()> {
+/// Draws the figures of a run if the scene asks for them, prints its results, its warnings and
+/// its folder, and writes its report if the scene or `report` asks for it.
+pub fn close(mut outcome: comminute::run::Outcome, report: bool, quiet: bool, json: bool) -> Result<()> {
     let figures = comminute::figure::complete(&mut outcome)?;
     if json {
         let text = serde_json::to_string_pretty(&outcome.summary).unwrap_or_default();
         print(&text)?;
     }
-    if quiet {
-        return Ok(());
+    if !quiet {
+        for line in words::closing(&outcome.summary) {
+            eprintln!("{line}");
+        }
+        for warning in words::warnings(&outcome.summary) {
+            eprintln!("warning: {warning}");
+        }
+        eprintln!("records in {}", outcome.out.display());
+        count_figures(&outcome, &figures);
     }
-    for line in words::closing(&outcome.summary) {
-        eprintln!("{line}");
-    }
-    for warning in words::warnings(&outcome.summary) {
-        eprintln!("warning: {warning}");
-    }
-    eprintln!("records in {}", outcome.out.display());
-    count_figures(&outcome, &figures);
-    Ok(())
+    if report || outcome.report { report::of_run(&outcome.out, quiet) } else { Ok(()) }
 }
 
 /// Prints the number of figures drawn and their folder.

@@ -23,6 +23,10 @@ pub struct Args {
     #[arg(long, value_name = "STEPS")]
     stop_after: Option<u64>,
 
+    /// Write a page that shows the run, report.html, into its folder
+    #[arg(long)]
+    report: bool,
+
     /// No progress and no closing summary
     #[arg(long)]
     quiet: bool,
@@ -41,5 +45,5 @@ pub fn call(args: Args) -> Result<()> {
         backend: args.backend.map(Into::into),
     };
     let outcome = resume(&args.dir, options)?;
-    super::close(outcome, args.quiet, args.json)
+    super::close(outcome, args.report, args.quiet, args.json)
 }

@@ -78,7 +78,5 @@ pub fn call(mut args: Args) -> Result<()> {
         Word::Note(note) => eprintln!("{note}"),
         Word::Warning(warning) => eprintln!("warning: {warning}"),
     })?;
-    let out = outcome.out.clone();
-    super::close(outcome, args.quiet, args.json)?;
-    if args.report { super::report::of_run(&out, args.quiet) } else { Ok(()) }
+    super::close(outcome, args.report, args.quiet, args.json)
 }

@@ -310,6 +310,8 @@ pub struct Records {
     pub contacts: bool,
     /// Whether figures are drawn at the end.
     pub figures: bool,
+    /// Whether a page that shows the run is written at the end.
+    pub report: bool,
     /// Seconds of wall-clock time between checkpoints.
     pub checkpoint_seconds: f64,
 }

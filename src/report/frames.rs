@@ -1,7 +1,7 @@
 //! The snapshots of a run for a view in three dimensions: grains, points, surfaces of bodies and walls, with the quantities that colour them.
 
-use base64::Engine;
-use base64::engine::general_purpose::STANDARD;
+use super::blob::Blob;
+use super::contacts;
 use laboratory::error::Result;
 use laboratory::record::snapshot::{Array, Snapshot, list};
 use laboratory::run::{BLOCKS, COLLECTION, FINES, GRAINS, WALLS};
@@ -41,7 +41,7 @@ const FACTS: [(&str, &str, &str); 4] = [
 pub struct Frames {
     /// What there is and in which blob, at which place.
     pub value: Value,
-    /// Numbers in single precision, little-endian, in base 64: a text for each layer of each snapshot.
+    /// Numbers of four bytes, little-endian, in base 64: a text for each layer of each snapshot.
     pub blobs: Vec<String>,
 }
 
@@ -55,11 +55,12 @@ struct Span {
     least_positive: f64,
 }
 
-/// Reads at most `most` of the snapshots that the run in `dir` has left, the first and the last among them.
+/// Reads at most `most` of the snapshots that the run in `dir` has left, the first and the last among them. In `plane` strain volumes are those of a metre
+/// across the plane.
 ///
 /// # Errors
 /// A list or a snapshot that is damaged, by name.
-pub fn frames(dir: &Path, most: usize) -> Result<Frames> {
+pub fn frames(dir: &Path, most: usize, plane: bool) -> Result<Frames> {
     let lists = [COLLECTION, GRAINS, FINES, BLOCKS, WALLS].map(|name| list(&dir.join(name)));
     let lists: Vec<Vec<(f64, PathBuf)>> = lists.into_iter().collect::<Result<_>>()?;
     let mut times: Vec<f64> = lists.iter().flatten().map(|(at, _)| *at).collect();
@@ -70,6 +71,7 @@ pub fn frames(dir: &Path, most: usize) -> Result<Frames> {
     let mut spans: Vec<Span> = Vec::new();
     let mut instants = Vec::new();
     let mut bounds = [[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]];
+    let mut heights = [f64::INFINITY, f64::NEG_INFINITY];
     for &time in &kept {
         let mut layers = Vec::new();
         let mut facts = Vec::new();
@@ -81,20 +83,30 @@ pub fn frames(dir: &Path, most: usize) -> Result<Frames> {
                 facts = noted(&snapshot);
             }
             if !snapshot.position.is_empty() {
-                layers.push(layer(&snapshot, walls, blobs.len(), &mut spans, &mut blobs));
+                let number = numbers(&snapshot);
+                let this = layer(&snapshot, (walls, plane), number.as_deref(), &mut spans, &mut blobs);
+                let grains = number.filter(|_| this["kind"] == "grains");
+                layers.push(this);
+                if let Some(numbers) = grains {
+                    layers.extend(contacts::layers(path, &numbers, &mut blobs)?);
+                }
                 // walls may reach far beyond what they hold
-                let counts = !walls || bounds[0][0] > bounds[1][0];
-                for place in snapshot.position.iter().filter(|_| counts) {
-                    for a in 0..3 {
-                        bounds[0][a] = bounds[0][a].min(place[a]);
-                        bounds[1][a] = bounds[1][a].max(place[a]);
+                if !walls || bounds[0][0] > bounds[1][0] {
+                    let radii = radii(&snapshot, plane).unwrap_or_default();
+                    for (i, place) in snapshot.position.iter().enumerate() {
+                        let radius = radii.get(i).copied().unwrap_or(0.0);
+                        for (a, x) in place.iter().enumerate() {
+                            bounds[0][a] = bounds[0][a].min(x - radius);
+                            bounds[1][a] = bounds[1][a].max(x + radius);
+                        }
+                        heights = [heights[0].min(place[2]), heights[1].max(place[2])];
                     }
                 }
             }
         }
         instants.push(json!({ "facts": facts, "layers": layers }));
     }
-    let flat = bounds[0][2] == bounds[1][2];
+    let flat = heights[0] == heights[1];
     let fields: Vec<Value> = spans
         .iter()
         .map(|s| json!({ "name": s.name, "what": s.what, "unit": s.unit, "low": s.low, "high": s.high, "leastPositive": s.least_positive }))
@@ -117,32 +129,48 @@ fn noted(snapshot: &Snapshot) -> Vec<Value> {
     FACTS.iter().filter_map(|(name, what, unit)| Some(json!([what, snapshot.fact(name)?, unit]))).collect()
 }
 
-/// Packs a snapshot into one blob and says where in it, counted in numbers, each array begins.
-fn layer(snapshot: &Snapshot, walls: bool, blob: usize, spans: &mut Vec<Span>, blobs: &mut Vec<String>) -> Value {
-    let mut numbers: Vec<f32> = Vec::new();
-    let mut put = |values: &mut dyn Iterator<Item = f64>| {
-        let at = numbers.len();
-        numbers.extend(values.map(|x| x as f32));
-        at
-    };
+/// The numbers of the grains or points, or of the body of each triangle; `None` where the snapshot has none.
+fn numbers(snapshot: &Snapshot) -> Option<Vec<u32>> {
+    let array = snapshot.array("id").or_else(|| snapshot.array("block"))?;
+    Some(array.values.iter().map(|x| *x as u32).collect())
+}
+
+/// Radii of grains, m; of points those of balls as wide as a cube of their volume, in `plane` strain as a square of their area. `None` where the snapshot
+/// has neither.
+fn radii(snapshot: &Snapshot, plane: bool) -> Option<Vec<f64>> {
+    let edge = if plane { f64::sqrt } else { f64::cbrt };
+    let known = snapshot.array("radius").or_else(|| snapshot.array("radius_m")).map(|radius| radius.values.clone());
+    known.or_else(|| Some(snapshot.array("volume_m3")?.values.iter().map(|v| 0.5 * edge(v.max(0.0))).collect()))
+}
+
+/// Packs a snapshot, whose grains, points or triangles have these numbers, into one blob and says where in it, counted in numbers, each array begins.
+fn layer(
+    snapshot: &Snapshot,
+    (walls, plane): (bool, bool),
+    number: Option<&[u32]>,
+    spans: &mut Vec<Span>,
+    blobs: &mut Vec<String>,
+) -> Value {
+    let mut blob = Blob::default();
     let surface = !snapshot.triangles.is_empty();
-    let radii = snapshot.array("radius").or_else(|| snapshot.array("radius_m"));
+    let grown = snapshot.array("radius").or_else(|| snapshot.array("radius_m")).is_some();
     let (kind, count) = match surface {
         true => (if walls { "walls" } else { "surface" }, snapshot.triangles.len()),
-        false => (if radii.is_some() { "grains" } else { "points" }, snapshot.position.len()),
+        false => (if grown { "grains" } else { "points" }, snapshot.position.len()),
     };
     if surface {
-        put(&mut snapshot.triangles.iter().flatten().flat_map(|&corner| snapshot.position[corner as usize]));
+        blob.real(snapshot.triangles.iter().flatten().flat_map(|&corner| snapshot.position[corner as usize]));
     } else {
-        put(&mut snapshot.position.iter().flatten().copied());
+        blob.real(snapshot.position.iter().flatten().copied());
     }
     let mut places = Map::new();
+    if let Some(number) = number.filter(|_| !walls) {
+        places.insert("number".into(), json!(blob.whole(number.iter().copied())));
+    }
     if !surface {
-        let radius = match (radii, snapshot.array("volume_m3")) {
-            (Some(radius), _) => put(&mut radius.values.iter().copied()),
-            // a point is shown as a ball as wide as a cube of its volume
-            (None, Some(volume)) => put(&mut volume.values.iter().map(|v| 0.5 * v.max(0.0).cbrt())),
-            (None, None) => put(&mut std::iter::repeat_n(f64::NAN, count)),
+        let radius = match radii(snapshot, plane) {
+            Some(radii) => blob.real(radii.into_iter()),
+            None => blob.real(std::iter::repeat_n(f64::NAN, count)),
         };
         places.insert("radius".into(), json!(radius));
     }
@@ -150,12 +178,10 @@ fn layer(snapshot: &Snapshot, walls: bool, blob: usize, spans: &mut Vec<Span>, b
     for (array, what, unit, name) in QUANTITIES.iter().filter(|_| !walls) {
         let Some(values) = snapshot.array(array).and_then(scalars).filter(|_| !fields.contains_key(*name)) else { continue };
         widen(spans, (name, what, unit), &values);
-        let at = put(&mut values.into_iter());
-        fields.insert((*name).into(), json!(at));
+        fields.insert((*name).into(), json!(blob.real(values.into_iter())));
     }
-    let bytes: Vec<u8> = numbers.iter().flat_map(|x| x.to_le_bytes()).collect();
-    blobs.push(STANDARD.encode(bytes));
-    json!({ "kind": kind, "count": count, "blob": blob, "places": places, "fields": fields })
+    blobs.push(blob.text());
+    json!({ "kind": kind, "count": count, "blob": blobs.len() - 1, "places": places, "fields": fields })
 }
 
 /// A number for each entry: the values of a scalar, the lengths of vectors; `None` for tensors.
@@ -209,14 +235,15 @@ mod tests {
             ..Snapshot::default()
         };
         let (mut spans, mut blobs) = (Vec::new(), Vec::new());
-        let layer = layer(&snapshot, false, 0, &mut spans, &mut blobs);
-        let bytes = STANDARD.decode(&blobs[0]).expect("base 64");
-        let numbers: Vec<f32> = bytes.as_chunks::<4>().0.iter().map(|c| f32::from_le_bytes(*c)).collect();
+        let layer = layer(&snapshot, (false, false), numbers(&snapshot).as_deref(), &mut spans, &mut blobs);
+        let words = super::super::blob::tests::words(&blobs[0]);
+        let numbers: Vec<f32> = words.iter().map(|x| f32::from_bits(*x)).collect();
         let at = |place: &Value| place.as_u64().expect("place") as usize;
         assert_eq!((layer["kind"].as_str(), layer["count"].as_u64()), (Some("grains"), Some(2)));
         assert_eq!(numbers[..6], [1.0, 2.0, 3.0, 4.0, 5.0, 6.0]);
         assert_eq!(numbers[at(&layer["places"]["radius"])..][..2], [0.5, 0.25]);
         assert_eq!(numbers[at(&layer["fields"]["speed"])..][..2], [5.0, 1.0]);
+        assert_eq!(words[at(&layer["places"]["number"])..][..2], [9, 8]);
         assert!(layer["fields"].get("id").is_none());
         let strength = spans.iter().find(|s| s.name == "strength").expect("span");
         assert_eq!((strength.low, strength.high), (7.0, 7.0), "what cannot break has no place on the scale");

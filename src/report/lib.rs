@@ -3,11 +3,14 @@
 
 #![deny(missing_docs)]
 
+mod blob;
+mod contacts;
 mod folders;
 mod frames;
 mod links;
 mod log;
 mod page;
+mod pictures;
 mod run;
 
 use laboratory::error::{Error, Result};

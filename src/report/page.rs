@@ -13,12 +13,15 @@ pub const HEAD: &str = "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta chars
 const FRAME: &str = include_str!("assets/page.html");
 const STYLE: &str = include_str!("assets/page.css");
 /// Scripts that run as they stand, in this order.
-const SCRIPTS: [&str; 7] = [
+const SCRIPTS: [&str; 10] = [
     include_str!("assets/vendor/chart.umd.min.js"),
     include_str!("assets/vendor/chartjs-plugin-zoom.min.js"),
     include_str!("assets/words.js"),
     include_str!("assets/charts.js"),
     include_str!("assets/tables.js"),
+    include_str!("assets/shaders.js"),
+    include_str!("assets/layers.js"),
+    include_str!("assets/pick.js"),
     include_str!("assets/view.js"),
     include_str!("assets/page.js"),
 ];

@@ -3,6 +3,7 @@
 use super::frames;
 use super::links::link;
 use super::log::{logs, tables};
+use super::pictures::pictures;
 use laboratory::error::{Error, Result};
 use laboratory::run::{SUMMARY, resumable, words};
 use laboratory::scene::{self, RESOLVED, Scene};
@@ -71,7 +72,7 @@ pub fn shown(dir: &Path, name: &str, page: &Path, snapshots: usize) -> Result<Sh
         Some(_) => None,
     };
     let known = summary.clone().unwrap_or(Value::Null);
-    let frames = frames::frames(dir, snapshots)?;
+    let frames = frames::frames(dir, snapshots, resolved.lines().any(|line| line == "plane_strain = true"))?;
     let quality: Vec<Value> = QUALITY
         .iter()
         .filter_map(|(path, what, unit)| Some(json!([what, known.pointer(path).filter(|v| !v.is_null())?, unit])))
@@ -94,6 +95,7 @@ pub fn shown(dir: &Path, name: &str, page: &Path, snapshots: usize) -> Result<Sh
         },
         "tables": tables(dir, page)?,
         "logs": logs(dir, &kind)?,
+        "pictures": if frames.blobs.is_empty() { pictures(dir)? } else { Vec::new() },
         "frames": frames.value,
     });
     Ok(Shown { value, blobs: frames.blobs, note })

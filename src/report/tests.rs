@@ -73,6 +73,19 @@ fn several_runs_stand_in_one_page() {
 }
 
 #[test]
+fn a_run_without_snapshots_shows_its_figures_as_they_were_drawn() {
+    let dir = run(1);
+    std::fs::create_dir(dir.path().join("figures")).expect("folder");
+    let drawn = |name: &str, text: &str| std::fs::write(dir.path().join("figures").join(name), text).expect("written");
+    drawn("section.svg", "<svg/>");
+    drawn("compression.svg", "<svg/>");
+    let written = write_run(dir.path()).expect("written");
+    let pictures = data(&written.path)["runs"][0]["pictures"].clone();
+    let want = serde_json::json!([{ "name": "section", "title": "Section", "address": "data:image/svg+xml;base64,PHN2Zy8+" }]);
+    assert_eq!(pictures, want, "charts show the others");
+}
+
+#[test]
 fn what_is_damaged_or_of_others_is_named() {
     let dir = run(1);
     let says = |out: &Path| write(&[dir.path().into()], out, &Options::default()).expect_err("refused").to_string();

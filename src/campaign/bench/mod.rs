@@ -197,6 +197,7 @@ pub fn model(case: Case, grains: usize, law: ContactLaw, skin: f64) -> Model {
             snapshots: false,
             contacts: false,
             figures: false,
+            report: false,
             checkpoint_seconds: f64::INFINITY,
         },
         accuracy: None,

@@ -26,7 +26,9 @@ pub fn run(task: &Task, name: &str, sets: &[String]) -> Result<Run> {
     let model = scene::model(&scene)?;
     let threads = Some(rayon::current_num_threads());
     let outcome = match if task.keep { run::look(&task.out, &scene, &model)? } else { Found::Nothing } {
-        Found::Finished(summary) | Found::Undrawn(summary) => Outcome { summary, out: task.out.clone(), draw: false },
+        Found::Finished(summary) | Found::Undrawn(summary) => {
+            Outcome { summary, out: task.out.clone(), draw: false, report: false }
+        }
         Found::Unfinished => run::resume(&task.out, ResumeOptions { threads, quiet: true, ..ResumeOptions::default() })?,
         _ => run::run(RunRequest {
             backend: run::choose(task.backend, &model)?,

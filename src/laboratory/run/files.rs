@@ -81,7 +81,7 @@ const OURS: [&str; 31] = [
     checkpoint::PREVIOUS,
     checkpoint::TEMPORARY,
 ];
-/// The page that shows the run, where `run --report` asked for it.
+/// The page that shows the run, where `run --report` or the scene (`records.report`) asked for it.
 pub const REPORT: &str = "report.html";
 /// Folder of the figures.
 pub const FIGURES: &str = "figures";

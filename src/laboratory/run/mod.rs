@@ -114,6 +114,8 @@ pub struct Outcome {
     /// Whether the scene asks for figures that have not been drawn yet. The laboratory draws none: the caller does, and says so by
     /// [`Outcome::drawn`]; until then the folder counts as a run that lacks its figures.
     pub draw: bool,
+    /// Whether the scene asks for a page that shows the run ([`REPORT`]) and has none yet. The caller writes it, after the figures.
+    pub report: bool,
 }
 
 impl Outcome {
@@ -122,7 +124,7 @@ impl Outcome {
     fn undrawn(mut summary: serde_json::Value, out: &Path, model: &Model) -> Result<Outcome> {
         let draw = model.records.figures;
         summary["figure_seconds"] = if draw { serde_json::Value::Null } else { serde_json::json!(0.0) };
-        let mut outcome = Outcome { summary, out: out.into(), draw };
+        let mut outcome = Outcome { summary, out: out.into(), draw, report: model.records.report };
         outcome.save()?;
         Ok(outcome)
     }
@@ -306,14 +308,15 @@ fn released(outcome: Result<Outcome>, out: &Path, lock: Lock) -> Result<Outcome>
 /// # Errors
 /// [`Error::Checkpoint`] for a folder without a checkpoint; the errors of [`run`].
 pub fn resume(dir: &Path, options: ResumeOptions) -> Result<Outcome> {
-    if let (Some(summary), false) = (files::summary(dir), checkpoint::exists(dir)) {
-        if files::lacks_figures(&summary) {
-            return Ok(Outcome { summary, out: dir.into(), draw: true });
-        }
+    let ended = files::summary(dir).filter(|_| !checkpoint::exists(dir));
+    if ended.as_ref().is_some_and(|summary| !files::lacks_figures(summary)) {
         return Err(Error::Checkpoint { path: dir.into(), what: "the run is finished".into() });
     }
     let scene = crate::scene::load(dir.join(crate::scene::RESOLVED), &[])?;
     let model = crate::scene::model(&scene)?;
+    if let Some(summary) = ended {
+        return Ok(Outcome { summary, out: dir.into(), draw: true, report: model.records.report });
+    }
     let lock = lock(dir)?;
     if !matches!(model.rig, Rig::Continuum(_)) {
         choose(options.backend.unwrap_or_default(), &model)?;

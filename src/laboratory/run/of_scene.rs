@@ -39,7 +39,7 @@ pub enum Word {
     Warning(String),
 }
 
-/// Makes the run of a scene, or what is left of it. Tells what it finds before the run begins. Figures are not drawn ([`Outcome::draw`]).
+/// Makes the run of a scene, or what is left of it. Tells what it finds before the run begins. Figures are not drawn ([`Outcome::draw`]), and no page is written ([`Outcome::report`]).
 ///
 /// # Errors
 /// A folder that holds another run, not enough disk or memory, a specimen that cannot be made; the errors of [`run`](fn@run) and [`resume`].
@@ -51,8 +51,11 @@ pub fn run_scene(scene: &Scene, options: SceneOptions, tell: &mut dyn FnMut(Word
         let found = look(&out, scene, &model)?;
         let options = ResumeOptions { threads, quiet, json, stop_after, backend };
         match found {
-            Found::Finished(summary) => return Ok(Outcome { summary, out, draw: false }),
-            Found::Undrawn(summary) => return Ok(Outcome { summary, out, draw: true }),
+            Found::Finished(summary) => {
+                let report = model.records.report && !out.join(super::REPORT).is_file();
+                return Ok(Outcome { summary, out, draw: false, report });
+            }
+            Found::Undrawn(summary) => return Ok(Outcome { summary, out, draw: true, report: model.records.report }),
             Found::Unfinished => return resume(&out, options),
             Found::Busy => return Err(Error::Busy { path: out }),
             Found::Other(what) if !force => return Err(Error::Other { path: out, what }),

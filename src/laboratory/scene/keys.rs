@@ -1080,6 +1080,12 @@ const OWN: &[Key] = &[
         "whether every contact of grains (bodies, place, forces, overlap) is written as snapshots/contacts_*.csv at the instants of snapshots; from these the figure of force chains is drawn",
     ),
     every("records.figures", Flag, Is("true"), "whether figures are drawn"),
+    every(
+        "records.report",
+        Flag,
+        Is("false"),
+        "whether a page that shows the run is written when it ends, report.html in its folder",
+    ),
     states("records.checkpoint_seconds", Number(POSITIVE), Is("60.0"), "seconds of wall-clock time between checkpoints"),
     oedometer("calibrate.key", Text, Required, "key that `comminute calibrate curve` finds; no run looks at this table"),
     oedometer("calibrate.lower", Number(ANY), Required, "smallest value of the key"),

@@ -291,6 +291,7 @@ impl<'a> View<'a> {
             snapshots: self.flag("records.snapshots"),
             contacts: self.flag("records.contacts"),
             figures: self.flag("records.figures"),
+            report: self.flag("records.report"),
             checkpoint_seconds: self.number("records.checkpoint_seconds").unwrap_or(60.0),
         })
     }

@@ -67,6 +67,10 @@ if (charts.length) {
 const withFrames = runs.filter((run) => run.frames.list.some((frame) => frame.layers.length));
 const solid = withFrames.length ? section("specimen", "The specimen in three dimensions") : null;
 
+const pictures = each((run) => (run.pictures.length ? make("div", { class: "charts" }, run.pictures.map(({ name, title, address }) =>
+  make("figure", { id: `picture-${name}` }, make("figcaption", {}, title), make("img", { src: address, alt: `${title}, as the figure ${name} of the run shows it` })))) : null));
+if (pictures.length) section("pictures", "Pictures", make("p", { class: "quiet small" }, "The run has left no snapshots, so that these are drawings and no view in three dimensions."), pictures);
+
 const logs = each((run) => (run.logs.length ? run.logs.flatMap((content) => [make("h3", {}, content.title), log(content)]) : null));
 if (logs.length) section("breakages", "Breakages", logs);
 

@@ -1,6 +1,6 @@
 "use strict";
-/* The specimen in three dimensions: three.js draws. Grains and points are balls that are exact in every pixel, and cut by the plane where it
-   passes through them; bodies are their surfaces, walls their edges. */
+/* The specimen in three dimensions: three.js draws. Grains and points are balls, cut by the plane where it passes through them; bodies are their surfaces,
+   walls their edges, contacts lines as wide as their forces are large. */
 
 /* Loads the modules that the page holds. */
 async function modules() {
@@ -13,56 +13,15 @@ async function modules() {
   return { THREE, OrbitControls };
 }
 
-/* The numbers of a blob: single precision, little-endian, in base 64. */
-function numbers(id) {
-  const text = atob(document.getElementById(`blob-${id}`).textContent);
-  const bytes = new Uint8Array(text.length);
-  for (let i = 0; i < text.length; i++) bytes[i] = text.charCodeAt(i);
-  return new Float32Array(bytes.buffer);
-}
-
-const LIGHT = "const vec3 light = vec3(-0.45, 0.65, 0.61);";
-const BALL = {
-  vertex: `in vec3 centre; in float radius; in vec3 tone; out vec2 at; out vec3 middle; out float r; out vec3 colour;
-    void main() {
-      vec4 c = modelViewMatrix * vec4(centre, 1.0);
-      at = position.xy; middle = c.xyz; r = radius; colour = tone;
-      gl_Position = projectionMatrix * (c + vec4(position.xy * radius, 0.0, 0.0));
-    }`,
-  // the eye looks along -z; a ball whose front is cut away shows its section
-  fragment: `uniform mat4 projectionMatrix; uniform vec4 plane; uniform bool cut; in vec2 at; in vec3 middle; in float r; in vec3 colour; out vec4 seen; ${LIGHT}
-    void main() {
-      float square = dot(at, at);
-      if (square > 1.0) discard;
-      vec3 normal = vec3(at, sqrt(1.0 - square));
-      vec3 place = middle + r * normal;
-      float shade = 1.0;
-      if (cut && dot(plane.xyz, place) > plane.w) {
-        vec3 back = middle + r * vec3(at, -normal.z);
-        if (dot(plane.xyz, back) > plane.w) discard;
-        place.z = (plane.w - dot(plane.xy, place.xy)) / plane.z;
-        normal = plane.xyz;
-        shade = 0.86;
-      }
-      float brightness = 0.52 + 0.5 * max(dot(normal, light), 0.0);
-      seen = vec4(colour * brightness * shade, 1.0);
-      gl_FragDepth = 0.5 * (projectionMatrix[2][2] * place.z + projectionMatrix[3][2]) + 0.5;
-    }`,
+const KINDS = {
+  grains: "grains", points: "points of the continuum", surface: "bodies", walls: "walls",
+  contacts: "contacts of grains (force chains)", point_contacts: "contacts of grains and points",
 };
-const FACE = {
-  vertex: `in vec3 tone; out vec3 place; out vec3 colour;
-    void main() { vec4 p = modelViewMatrix * vec4(position, 1.0); place = p.xyz; colour = tone; gl_Position = projectionMatrix * p; }`,
-  fragment: `uniform vec4 plane; uniform bool cut; in vec3 place; in vec3 colour; out vec4 seen; ${LIGHT}
-    void main() {
-      if (cut && dot(plane.xyz, place) > plane.w) discard;
-      vec3 normal = normalize(cross(dFdx(place), dFdy(place)));
-      float brightness = gl_FrontFacing ? 0.52 + 0.5 * max(dot(normal, light), 0.0) : 0.4;
-      seen = vec4(colour * brightness, 1.0);
-    }`,
-};
-
-const KINDS = { grains: "grains", points: "points of the continuum", surface: "bodies", walls: "walls" };
-
+/* A thickness that nothing has. */
+const EVERYTHING = 1e30;
+/* What one of a kind is called with its number. */
+const NAMES = { grains: "grain", points: "point", surface: "body" };
+const CHAINS = ["contacts", "point_contacts"];
 /* Fills `section` with the view and its controls; `runs` are those with snapshots. */
 async function view(section, runs) {
   const stage = make("div", { class: "stage" });
@@ -81,23 +40,25 @@ async function view(section, runs) {
   const canvas = renderer.domElement;
   canvas.tabIndex = 0;
   canvas.setAttribute("role", "img");
-  canvas.setAttribute("aria-label", "The specimen: arrow keys turn it, plus and minus zoom, 0 shows all");
-  stage.append(canvas);
+  canvas.setAttribute("aria-label", "The specimen: arrow keys turn it, plus and minus zoom, 0 shows all, N and P choose the next and the previous body");
+  const tip = make("div", { class: "tip", "aria-hidden": "true" });
+  tip.hidden = true;
+  stage.append(canvas, tip);
   const scene = new THREE.Scene();
   const camera = new THREE.OrthographicCamera();
   camera.up.set(0, 0, 1);
   const orbit = new OrbitControls(camera, canvas);
   orbit.enableZoom = true;
-  const shared = { plane: { value: new THREE.Vector4() }, cut: { value: false } };
-  const material = (shaders) => new THREE.ShaderMaterial({
-    glslVersion: THREE.GLSL3, vertexShader: shaders.vertex, fragmentShader: shaders.fragment, uniforms: shared, side: THREE.DoubleSide,
-  });
-  const [ball, face] = [material(BALL), material(FACE)];
+  const shared = { plane: { value: new THREE.Vector4() }, cut: { value: false }, thick: { value: EVERYTHING }, least: { value: 0 } };
+  const materials = Object.fromEntries(Object.entries(SHADERS).map(([kind, { vertex, fragment }]) => [kind, new THREE.ShaderMaterial({
+    glslVersion: THREE.GLSL3, vertexShader: vertex, fragmentShader: fragment, uniforms: shared, side: THREE.DoubleSide,
+  })]));
   const edge = new THREE.LineBasicMaterial();
-  const state = { run: runs[0], frame: 0, field: "", log: false, own: false, axis: "", at: 0.5, flip: false, hidden: new Set() };
-  report.view = { state, pixels, layers: () => layers.map((l) => ({ kind: l.kind, count: l.count })), limits: [0, 1] };
+  const state = { run: runs[0], frame: 0, field: "", log: false, own: false, axis: "", at: 0.5, flip: false, slice: false, hidden: new Set(CHAINS), chosen: null };
+  report.view = { state, pixels, under: (x, y) => telling(under(x, y)), layers: () => layers.map((l) => ({ kind: l.kind, count: l.count })), limits: [0, 1] };
   let layers = [];
   let reach = [1, 1];
+  let slice = 0;
 
   function pixels() {
     render();
@@ -117,21 +78,113 @@ async function view(section, runs) {
     cancelAnimationFrame(due);
     due = 0;
     aim();
+    mark();
     renderer.render(scene, camera);
   }
-  /* The plane in the eye's axes. */
-  function aim() {
-    camera.updateMatrixWorld();
-    shared.cut.value = state.axis !== "";
-    if (!shared.cut.value) return;
+  /* The cut: unit normal, place along it, thickness of what is shown behind; null where nothing is cut. */
+  function slab() {
+    if (state.axis === "") return null;
     const a = "xyz".indexOf(state.axis);
     const { low, high } = box();
     const sign = state.flip ? -1 : 1;
-    const normal = new THREE.Vector3().setComponent(a, sign);
-    const place = new THREE.Vector3().setComponent(a, low[a] + state.at * (high[a] - low[a]));
+    const normal = [0, 0, 0];
+    normal[a] = sign;
+    return { normal, at: sign * (low[a] + state.at * (high[a] - low[a])), thickness: state.slice ? slice : EVERYTHING };
+  }
+  /* The cut in the eye's axes, and the width of a pixel. */
+  function aim() {
+    camera.updateMatrixWorld();
+    const cut = slab();
+    shared.cut.value = cut !== null;
+    shared.least.value = pixel() / 2;
+    if (!cut) return;
+    const normal = new THREE.Vector3(...cut.normal);
+    const place = normal.clone().multiplyScalar(cut.at).applyMatrix4(camera.matrixWorldInverse);
     normal.transformDirection(camera.matrixWorldInverse);
-    place.applyMatrix4(camera.matrixWorldInverse);
     shared.plane.value.set(normal.x, normal.y, normal.z, normal.dot(place));
+    shared.thick.value = cut.thickness;
+  }
+  function pixel() {
+    return (camera.right - camera.left) / camera.zoom / (stage.clientWidth || 1);
+  }
+
+  /* What is chosen or pointed at: its layer and its index there. */
+  const shownLayers = () => layers.filter((layer) => !state.hidden.has(layer.kind));
+  function under(x, y) {
+    camera.updateMatrixWorld();
+    const { width, height } = canvas.getBoundingClientRect();
+    const origin = new THREE.Vector3((2 * x) / width - 1, 1 - (2 * y) / height, -1).unproject(camera);
+    const axis = (column) => new THREE.Vector3().setFromMatrixColumn(camera.matrixWorld, column).toArray();
+    const ray = { origin: origin.toArray(), direction: axis(2).map((v) => -v), right: axis(0), up: axis(1) };
+    return hit(ray, shownLayers(), slab(), pixel() / 2);
+  }
+  /* What was chosen by its kind and number, in the snapshot that is shown; null where it is not there. */
+  function chosen() {
+    if (!state.chosen) return null;
+    const layer = shownLayers().find((l) => l.kind === state.chosen.kind);
+    const index = layer ? (layer.numbers ? layer.numbers.indexOf(state.chosen.number) : state.chosen.number) : -1;
+    return index >= 0 && index < layer.count ? { layer, index } : null;
+  }
+  const telling = (found) => (found ? described(found.layer, found.index, fieldOf(), layers) : null);
+  function choose(found) {
+    state.chosen = found ? { kind: found.layer.kind, number: found.layer.numbers ? found.layer.numbers[found.index] : found.index } : null;
+    tell();
+    draw();
+  }
+  function tell() {
+    const found = chosen();
+    // a contact has no number by which it would be found again
+    if (!found && CHAINS.includes(state.chosen?.kind)) state.chosen = null;
+    if (found) values.replaceChildren(...telling(found).map((line) => make("div", {}, line)));
+    else if (state.chosen) values.textContent = `${NAMES[state.chosen.kind]} ${state.chosen.number} is not shown in this snapshot`;
+    else values.textContent = "nothing is chosen";
+    // print has no use for it then
+    values.parentElement?.classList.toggle("only-screen", !found);
+    wanted.value = state.chosen && state.chosen.kind in NAMES ? state.chosen.number : "";
+  }
+  /* Chooses the next body of the chosen kind, or the one before it. */
+  function step(way) {
+    const layer = chosen()?.layer || shownLayers().find((l) => l.kind in NAMES);
+    const index = layer ? neighbour(layer, chosen()?.index, way, slab()) : null;
+    if (index !== null) choose({ layer, index });
+  }
+  // dark within light: it stands out from every colour
+  const rings = ["--ink", "--panel"].map((name, i) => {
+    const paint = new THREE.MeshBasicMaterial({ depthTest: false, depthWrite: false, transparent: true, side: THREE.DoubleSide });
+    const mesh = new THREE.Mesh(new THREE.RingGeometry(1 + 0.09 * i, 1.09 + 0.09 * i, 64), paint);
+    mesh.renderOrder = 1;
+    mesh.frustumCulled = false;
+    scene.add(mesh);
+    return { mesh, paint, name };
+  });
+  /* A ring around what is chosen. */
+  function mark() {
+    const found = chosen();
+    const { centre, radius } = found ? around(found.layer, found.index) : { centre: [0, 0, 0], radius: 1 };
+    for (const { mesh } of rings) {
+      mesh.visible = found !== null;
+      mesh.position.set(...centre);
+      mesh.scale.setScalar(Math.max(1.03 * radius, 6 * pixel()));
+      mesh.quaternion.copy(camera.quaternion);
+    }
+  }
+  /* Shows what is at a place of the canvas beside it. */
+  let pointed = 0;
+  function point(x, y) {
+    cancelAnimationFrame(pointed);
+    pointed = requestAnimationFrame(() => {
+      const lines = telling(under(x, y));
+      tip.hidden = !lines;
+      if (!lines) return;
+      tip.replaceChildren(...lines.map((line) => make("div", {}, line)));
+      const room = [stage.clientWidth - tip.offsetWidth - 4, stage.clientHeight - tip.offsetHeight - 4];
+      tip.style.left = `${Math.max(4, x + 14 > room[0] ? x - tip.offsetWidth - 10 : x + 14)}px`;
+      tip.style.top = `${Math.max(4, Math.min(y + 14, room[1]))}px`;
+    });
+  }
+  function unpoint() {
+    cancelAnimationFrame(pointed);
+    tip.hidden = true;
   }
   /* Looks at everything from a direction. */
   function look(from) {
@@ -193,13 +246,16 @@ async function view(section, runs) {
   const rgb = (colour) => channels(colour).map((c) => c / 255);
   const sequence = palette.sequence.map(rgb);
   const generations = palette.generations.map(rgb);
-  function colour(value, [low, high]) {
+  function colour(value, range) {
     if (!Number.isFinite(value)) return plainTone;
     if (state.field === "generation") return generations[Math.min(generations.length - 1, Math.max(0, Math.round(value)))];
+    return onScale(value, range);
+  }
+  function onScale(value, [low, high], colours = sequence) {
     const share = state.log ? Math.log(Math.max(value, low) / low) / Math.log(high / low) : (value - low) / (high - low);
-    const at = Math.min(1, Math.max(0, Number.isFinite(share) ? share : 0)) * (sequence.length - 1);
-    const i = Math.min(sequence.length - 2, Math.floor(at));
-    return sequence[i].map((c, k) => c + (sequence[i + 1][k] - c) * (at - i));
+    const at = Math.min(1, Math.max(0, Number.isFinite(share) ? share : 0)) * (colours.length - 1);
+    const i = Math.min(colours.length - 2, Math.floor(at));
+    return colours[i].map((c, k) => c + (colours[i + 1][k] - c) * (at - i));
   }
 
   /* Makes the objects of the snapshot that is chosen. */
@@ -209,45 +265,59 @@ async function view(section, runs) {
       layer.object.geometry.dispose();
     }
     const frame = frames().list[state.frame];
-    layers = frame.layers.map((layer) => {
-      const data = numbers(state.run.firstBlob + layer.blob);
-      const part = (at, count) => data.subarray(at, at + count);
-      const values = layer.fields[state.field] === undefined ? null : part(layer.fields[state.field], layer.count);
-      return { ...layer, data, part, values };
-    });
+    layers = layersOf(state.run, frame, state.field, box().size, forceRange()[1]);
+    slice = sliceOf(layers, box().size);
     const [low, high] = state.field ? limits(layers) : [0, 1];
     report.view.limits = [low, high];
     for (const layer of layers) {
-      layer.object = { grains: balls, points: balls, surface: faces, walls: edges }[layer.kind](layer, [low, high]);
+      layer.object = { grains: balls, points: balls, surface: faces, walls: edges, contacts: lines, point_contacts: lines }[layer.kind](layer, [low, high]);
       layer.object.frustumCulled = false;
       layer.object.visible = !state.hidden.has(layer.kind);
       scene.add(layer.object);
     }
     legend([low, high]);
+    forces();
     say(frame);
+    tell();
+    unpoint();
     draw();
   }
-  function balls(layer, range) {
-    const { count } = layer;
+  const each = (values, size) => new THREE.InstancedBufferAttribute(values, size);
+  function quads(layer, attributes) {
     const geometry = new THREE.InstancedBufferGeometry();
-    geometry.instanceCount = count;
+    geometry.instanceCount = layer.count;
     geometry.setIndex([0, 1, 2, 0, 2, 3]);
     geometry.setAttribute("position", new THREE.Float32BufferAttribute([-1, -1, 0, 1, -1, 0, 1, 1, 0, -1, 1, 0], 3));
-    geometry.setAttribute("centre", new THREE.InstancedBufferAttribute(layer.part(0, 3 * count), 3));
-    const radius = Float32Array.from(layer.part(layer.places.radius, count), (r) => (r > 0 ? r : (0.3 * box().size) / Math.cbrt(count)));
-    geometry.setAttribute("radius", new THREE.InstancedBufferAttribute(radius, 1));
-    geometry.setAttribute("tone", new THREE.InstancedBufferAttribute(tones(layer, range, 1), 3));
-    return new THREE.Mesh(geometry, ball);
+    for (const [name, attribute] of Object.entries(attributes)) geometry.setAttribute(name, attribute);
+    return new THREE.Mesh(geometry, materials[layer.kind]);
+  }
+  function balls(layer, range) {
+    return quads(layer, { centre: each(layer.centres, 3), radius: each(layer.radii, 1), tone: each(tones(layer, range, 1), 3) });
+  }
+  function lines(layer) {
+    const ends = new THREE.InstancedInterleavedBuffer(layer.ends, 6);
+    const tone = new Float32Array(3 * layer.count);
+    const range = forceRange();
+    const colours = chainColours().map(rgb);
+    layer.force.forEach((force, i) => tone.set(onScale(force, range, colours), 3 * i));
+    return quads(layer, { from: new THREE.InterleavedBufferAttribute(ends, 3, 0), to: new THREE.InterleavedBufferAttribute(ends, 3, 3), width: each(layer.widths, 1), tone: each(tone, 3) });
+  }
+  /* Thin lines, which are of small forces, need colours that stand out from a dark ground. */
+  const chainColours = () => (luminance(tone("--panel")) < 0.2 ? palette.sequence.map(readable) : palette.sequence);
+  /* Limits of the scale of forces, N; a logarithmic one has three decades. */
+  function forceRange() {
+    const most = strongest(state.own ? [frames().list[state.frame]] : frames().list);
+    return [state.log ? 1e-3 * most : 0, most];
   }
   function faces(layer, range) {
     const geometry = new THREE.BufferGeometry();
-    geometry.setAttribute("position", new THREE.BufferAttribute(layer.part(0, 9 * layer.count), 3));
+    geometry.setAttribute("position", new THREE.BufferAttribute(layer.corners, 3));
     geometry.setAttribute("tone", new THREE.BufferAttribute(tones(layer, range, 3), 3));
-    return new THREE.Mesh(geometry, face);
+    return new THREE.Mesh(geometry, materials.surface);
   }
   function edges(layer) {
     const geometry = new THREE.BufferGeometry();
-    geometry.setAttribute("position", new THREE.BufferAttribute(layer.part(0, 9 * layer.count), 3));
+    geometry.setAttribute("position", new THREE.BufferAttribute(layer.corners, 3));
     return new THREE.LineSegments(new THREE.EdgesGeometry(geometry, 30), edge);
   }
   /* A colour for each entry, `times` over. */
@@ -264,10 +334,12 @@ async function view(section, runs) {
   const said = make("output", { "aria-live": "polite" });
   function say(frame) {
     const facts = frame.facts.map(([what, value, unit]) => `${what} ${digits(value, 4)}${unit && unit !== "–" ? ` ${unit}` : ""}`);
-    const counts = frame.layers.filter((l) => l.kind !== "walls").map((l) => `${l.count} ${l.kind === "surface" ? "triangles of bodies" : KINDS[l.kind]}`);
+    const counts = frame.layers.filter((l) => l.kind !== "walls").map((l) => `${l.kind === "surface" ? bodies(l) : l.count} ${l.kind === "contacts" ? "contacts of grains" : KINDS[l.kind]}`);
     said.textContent = [`snapshot ${state.frame + 1} of ${frames().list.length}`, ...facts, ...counts].join(" · ");
   }
+  const bodies = ({ kind, blob }) => new Set(layers.find((l) => l.kind === kind && l.blob === blob).numbers).size;
   const scale = make("div", { class: "scale" });
+  const chains = make("div", { class: "scale", id: "forces" });
   function legend([low, high]) {
     const field = fieldOf();
     if (!field) return scale.replaceChildren();
@@ -280,15 +352,22 @@ async function view(section, runs) {
       });
       return scale.replaceChildren(make("div", { class: "small" }, field.what), make("div", { class: "keys" }, entries));
     }
-    const [factor, unit] = scaled(field.unit, Math.max(Math.abs(low), Math.abs(high)));
+    scale.replaceChildren(...barOf(field, [low, high], field.name === "strength" ? " (grey: cannot break)" : ""));
+  }
+  function barOf({ what, unit: si }, [low, high], remark, colours = palette.sequence) {
+    const [factor, unit] = scaled(si, Math.max(Math.abs(low), Math.abs(high)));
     const bar = make("div", { class: "bar", role: "img", "aria-label": "colours from the least to the largest value" });
-    bar.style.background = `linear-gradient(to right, ${palette.sequence.join(", ")})`;
+    bar.style.background = `linear-gradient(to right, ${colours.join(", ")})`;
     const tick = (share) => (state.log ? low * (high / low) ** share : low + share * (high - low));
     const ticks = [0, 0.25, 0.5, 0.75, 1].map((share) => make("span", {}, digits(factor * tick(share), 3)));
-    const beyond = frames().fields.some((f) => f.name === "strength") && field.name === "strength" ? " (grey: cannot break)" : "";
-    scale.replaceChildren(bar, make("div", { class: "ticks" }, ticks), make("div", { class: "small" }, field.what + (unit && unit !== "–" ? `, ${unit}` : "") + beyond));
+    return [bar, make("div", { class: "ticks" }, ticks), make("div", { class: "small" }, what + (unit && unit !== "–" ? `, ${unit}` : "") + remark)];
   }
-  const choose = (label, options, change) => {
+  /* The scale of the contacts' forces, where contacts are shown. */
+  function forces() {
+    const shown = shownLayers().some((layer) => layer.ends);
+    chains.replaceChildren(...(shown ? barOf({ what: "normal force of contacts", unit: "N" }, forceRange(), "; lines are as wide as it is large, at the end of the scale and beyond it alike", chainColours()) : []));
+  }
+  const choice = (label, options, change) => {
     const select = make("select", { change: () => { change(select.value); } }, options.map(([value, text]) => make("option", { value }, text)));
     return make("label", {}, label, select);
   };
@@ -297,7 +376,11 @@ async function view(section, runs) {
     box.checked = checked;
     return make("label", {}, box, ` ${label}`);
   };
-  const slider = make("input", { type: "range", min: 0, step: 1, id: "snapshot", input: () => { state.frame = Number(slider.value); build(); } });
+  const slider = make("input", { type: "range", min: 0, step: 1, id: "snapshot", input: () => {
+    state.frame = Number(slider.value);
+    if (CHAINS.includes(state.chosen?.kind)) state.chosen = null;
+    build();
+  } });
   const fields = make("select", { id: "field", change: () => { state.field = fields.value; build(); } });
   const kinds = make("div", { class: "row" });
   const place = make("input", { type: "range", min: 0, max: 1, step: 0.005, value: state.at, "aria-label": "place of the cut", input: () => { state.at = Number(place.value); draw(); } });
@@ -315,25 +398,48 @@ async function view(section, runs) {
     }
     fields.value = state.field;
     const there = [...new Set(run.frames.list.flatMap((f) => f.layers.map((l) => l.kind)))];
-    kinds.replaceChildren(...there.map((kind) => tick(KINDS[kind], (on) => {
+    const boxes = there.map((kind) => tick(KINDS[kind], (on) => {
       if (on) state.hidden.delete(kind); else state.hidden.add(kind);
+      // grains and points would hide the contacts between them
+      if (on && CHAINS.includes(kind)) ["grains", "points"].forEach((other) => state.hidden.add(other));
+      boxes.forEach((label, i) => { label.querySelector("input").checked = !state.hidden.has(there[i]); });
       build();
-    }, !state.hidden.has(kind))));
+    }, !state.hidden.has(kind)));
+    boxes.forEach((label, i) => label.querySelector("input").setAttribute("data-kind", there[i]));
+    kinds.replaceChildren(...boxes);
+    state.chosen = null;
     const dropped = run.frames.all - run.frames.list.length;
     note.textContent = dropped > 0 ? `${run.frames.list.length} of ${run.frames.all} snapshots are in this page; report --snapshots takes more` : "";
     build();
     look(front());
   }
+  const other = tick("other side", (on) => { state.flip = on; draw(); });
   const note = make("p", { class: "quiet small" });
+  const values = make("output", { id: "values", "aria-live": "polite" });
+  const wanted = make("input", { type: "number", min: 0, step: 1, id: "wanted", change: () => {
+    const number = Number(wanted.value);
+    const layer = shownLayers().find((l) => l.kind in NAMES && (l.numbers ? l.numbers.includes(number) : number < l.count)) || shownLayers().find((l) => l.kind in NAMES);
+    state.chosen = wanted.value === "" || !layer ? null : { kind: layer.kind, number };
+    tell();
+    draw();
+  } });
   controls.append(
     make("fieldset", {}, make("legend", {}, "Instant"),
-      runs.length > 1 ? choose("run", runs.map((r, i) => [i, r.name]), (i) => take(runs[i])) : null,
+      runs.length > 1 ? choice("run", runs.map((r, i) => [i, r.name]), (i) => take(runs[i])) : null,
       make("label", { for: "snapshot" }, "snapshot"), slider, said, note),
-    make("fieldset", {}, make("legend", {}, "Colour"), fields, scale,
+    make("fieldset", {}, make("legend", {}, "Colour"), fields, scale, chains,
       make("div", { class: "row" }, tick("logarithmic", (on) => { state.log = on; build(); }), tick("scale of this snapshot alone", (on) => { state.own = on; build(); }))),
     make("fieldset", { class: "only-screen" }, make("legend", {}, "Cut"),
-      choose("plane across", [["", "none"], ["x", "x"], ["y", "y"], ["z", "z (height)"]], (axis) => { state.axis = axis; draw(); }),
-      place, tick("other side", (on) => { state.flip = on; draw(); })),
+      choice("plane across", [["", "none"], ["x", "x"], ["y", "y"], ["z", "z (height)"]], (axis) => {
+        state.axis = axis;
+        // what is nearer to the eye is taken away
+        if (axis) state.flip = other.querySelector("input").checked = camera.position[axis] < orbit.target[axis];
+        draw();
+      }),
+      place, make("div", { class: "row" }, other, tick("only a slice", (on) => { state.slice = on; draw(); }))),
+    make("fieldset", {}, make("legend", {}, "Values"), values,
+      make("label", { for: "wanted", class: "only-screen" }, "number"), wanted,
+      make("p", { class: "quiet small only-screen" }, "Point at a body, click to choose it, or type its number. Keys in the view: N next, P previous, Escape none.")),
     make("fieldset", { class: "only-screen" }, make("legend", {}, "View"),
       make("div", { class: "row" }, button("oblique", () => look([0.42, -0.9, 0.45])), button("front", () => look([0, -1, 0])), button("side", () => look([1, 0, 0])), button("top", () => look([0, 0, 1]))),
       kinds,
@@ -342,12 +448,24 @@ async function view(section, runs) {
   const colours = () => {
     renderer.setClearColor(tone("--panel"));
     edge.color.set(tone("--quiet"));
-    if (layers.length) draw();
+    for (const { paint, name } of rings) paint.color.set(tone(name));
+    if (layers.length) build();
   };
   orbit.addEventListener("change", draw);
   new ResizeObserver(() => { resize(); if (layers.length) draw(); }).observe(stage);
   onColours(colours);
   for (const event of ["beforeprint", "afterprint"]) addEventListener(event, () => { colours(); resize(); render(); });
+  let pressed = [0, 0];
+  canvas.addEventListener("pointerdown", (event) => { pressed = [event.offsetX, event.offsetY]; unpoint(); });
+  canvas.addEventListener("pointermove", (event) => { if (!event.buttons) point(event.offsetX, event.offsetY); });
+  canvas.addEventListener("pointerleave", unpoint);
+  canvas.addEventListener("click", (event) => {
+    const [x, y] = [event.offsetX, event.offsetY];
+    // what was dragged is turned, not chosen
+    if (Math.hypot(x - pressed[0], y - pressed[1]) > 5) return;
+    choose(under(x, y));
+    point(x, y);
+  });
   canvas.addEventListener("keydown", (event) => {
     const turn = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] }[event.key];
     if (turn) {
@@ -361,7 +479,11 @@ async function view(section, runs) {
     } else if (event.key === "+" || event.key === "=") camera.zoom *= 1.15;
     else if (event.key === "-") camera.zoom /= 1.15;
     else if (event.key === "0") return look(front());
-    else return;
+    else if ("nNpP".includes(event.key)) return step(event.key.toLowerCase() === "n" ? 1 : -1);
+    else if (event.key === "Escape") {
+      unpoint();
+      return choose(null);
+    } else return;
     camera.updateProjectionMatrix();
     orbit.update();
     draw();
