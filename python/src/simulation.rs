@@ -3,6 +3,7 @@
 use crate::error::raised;
 use crate::scene::Scene;
 use crate::watch::watched;
+use comminute::Rig;
 use comminute::boundary::{Drive, WallShape};
 use comminute::grains::Grains;
 use comminute::mpm::Points;
@@ -211,7 +212,10 @@ impl Simulation {
     /// Love and Weber's mean stress in a volume, m³; in that of the specimen if none is given.
     #[pyo3(signature = (volume))]
     fn mean_stress(&self, volume: Option<f64>) -> PyResult<[[f64; 3]; 3]> {
-        let Some(state) = self.inner.grains().filter(|_| self.inner.points().is_none() && self.inner.bodies().is_none()) else {
+        // fines from crushing in an oedometer are points, and the grains' stress is known all the same
+        let mixed =
+            matches!(self.inner.model().rig, Rig::Continuum(_)) && (self.inner.points().is_some() || self.inner.bodies().is_some());
+        let Some(state) = self.inner.grains().filter(|_| !mixed) else {
             let message =
                 "stress is that of grains alone: points have `points.stresses`, and `row()` tells who bears how much in a mixture";
             return Err(PyValueError::new_err(message));
@@ -301,7 +305,8 @@ fn dict(py: Python<'_>, row: comminute::table::Row) -> PyResult<Bound<'_, PyDict
     for (name, value) in row {
         let value = match value {
             Value::Count(n) => n.into_py_any(py)?,
-            Value::Number(x) => x.into_py_any(py)?,
+            Value::Number(x) if x.is_finite() => x.into_py_any(py)?,
+            Value::Number(_) => f64::NAN.into_py_any(py)?,
             Value::Text(text) => text.into_py_any(py)?,
         };
         dict.set_item(name, value)?;

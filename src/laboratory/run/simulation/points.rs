@@ -1,7 +1,7 @@
 //! A continuum or mixture, or rigid bodies, between two steps.
 
 use super::super::continuum::step::{Lead, Looks, Moving, Records};
-use super::{DRIVEN, STOPPED, System, WallNow, checked, wrong};
+use super::{DRIVEN, GAIN, STOPPED, System, WallNow, checked, wrong};
 use crate::error::Result;
 use crate::interrupt::stop_asked;
 use crate::model::Model;
@@ -15,9 +15,6 @@ use engine::dem;
 use engine::mpm::{Dimension, Points};
 use engine::rigid::Blocks;
 use table::Row;
-
-/// Share of the imbalance that a wall of a free scene under servo removes in a step, where it is not said.
-const GAIN: f64 = super::GAIN;
 
 /// Points, grains, bodies and walls, with all that changes from step to step.
 pub struct Continuum {
