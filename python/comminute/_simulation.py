@@ -82,7 +82,8 @@ class Wall:
 
         ``area``, m²: that on which the stress acts, for planes of free scenes; walls of specimens have their own. ``gain``: share of the
         imbalance that is removed in a step; that of the scene (``specimen.servo_gain``, ``test.servo_gain``), and 0.2 in free scenes, if not
-        given. ``max_velocity``: the largest.
+        given. ``max_velocity``: the largest; where a wall of a mixture is told none, the stress over the root of Young's modulus times
+        density of its materials, and between loading plates a share of the test's own rate.
         """
         self._simulation._native.hold(self.number, stress, area, gain, max_velocity)
 

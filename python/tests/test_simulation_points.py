@@ -244,6 +244,25 @@ def test_bodies_and_walls_are_driven_from_python():
         floor.hold(1e3)
 
 
+def test_a_wall_holds_a_stress_on_points():
+    """A wall comes down on soil that rests on another one."""
+    walls = [*PRESSED["wall"], {"kind": "plane", "point_m": [0.0, 0.0, 0.0201], "normal": [0.0, 0.0, -1.0]}]
+    scene = {key: value for key, value in PRESSED.items() if key != "block"}
+    simulation = comminute.Simulation(comminute.Scene({**scene, "wall": walls, "damping.local": 0.3}))
+    floor, top = simulation.walls["wall_0"], simulation.walls["wall_1"]
+    with pytest.raises(errors.InputError, match="max_velocity = None: is missing"):
+        top.hold(-5e3, area=1.6e-3)
+    with pytest.raises(errors.InputError, match="gain"):
+        top.hold(5e3, area=1.6e-3, gain=2.0)
+    assert not simulation.driven
+    top.hold(5e3, area=1.6e-3)
+    simulation.step(2000)
+    weight = 9.81 * simulation.points.masses.sum()
+    assert top.area == 1.6e-3 and top.stress == pytest.approx(5e3, rel=0.03) and top.displacement > 0
+    assert floor.force == pytest.approx(top.force + weight, rel=0.05)
+    assert simulation.walls["y_low"].force > 0
+
+
 def test_a_body_that_is_told_its_velocity_goes_as_one_that_begins_with_it():
     told = comminute.Simulation(comminute.Scene(PRESSED))
     told.bodies[0].velocity = [0.0, 0.0, -0.5]
