@@ -260,7 +260,18 @@ def test_a_wall_holds_a_stress_on_points():
     weight = 9.81 * simulation.points.masses.sum()
     assert top.area == 1.6e-3 and top.stress == pytest.approx(5e3, rel=0.03) and top.displacement > 0
     assert floor.force == pytest.approx(top.force + weight, rel=0.05)
-    assert simulation.walls["y_low"].force > 0
+    assert simulation.walls["y_low"].force == 0.0
+
+
+def test_a_side_of_the_grid_bears_the_weight():
+    grid = {"cell_mm": 5.0, "min_mm": [-20.0, -20.0, 0.0], "max_mm": [60.0, 60.0, 40.0], "z_low": "slip"}
+    scene = {key: PRESSED[key] for key in ("body", "gravity_m_s2", "material")}
+    simulation = comminute.Simulation(comminute.Scene({**scene, "kind": "continuum", "steps": 2000, "grid": grid, "damping.local": 0.5}))
+    floor = simulation.walls["z_low"]
+    assert list(simulation.walls) == ["z_low"] and floor.normal is not None and list(floor.normal) == [0, 0, 1] and floor.area is None
+    simulation.step(2000)
+    assert simulation.is_over
+    assert floor.force == pytest.approx(9.81 * simulation.points.masses.sum(), rel=0.01)
 
 
 def test_a_body_that_is_told_its_velocity_goes_as_one_that_begins_with_it():
