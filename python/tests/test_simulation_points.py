@@ -263,6 +263,36 @@ def test_a_wall_holds_a_stress_on_points():
     assert simulation.walls["y_low"].force == 0.0
 
 
+def test_force_and_torque_are_what_moves_a_body():
+    """A tilted cube falls on another one and on the floor: its velocity and spin change by force and torque times the step."""
+    cube = {"shape": "box", "size_mm": [20.0, 20.0, 20.0]}
+    blocks = [
+        {**cube, "position_mm": [0.0, 0.0, 18.0], "axis": [1.0, 2.0, 0.5], "angle_deg": 30.0, "velocity_m_s": [0.2, 0.0, -1.0]},
+        {**cube, "position_mm": [29.0, 3.0, 15.0], "axis": [0.0, 1.0, 0.2], "angle_deg": 20.0, "velocity_m_s": [-1.0, 0.0, -0.5]},
+    ]
+    material = {key: value for key, value in SOIL.items() if key != "continuum"}
+    scene = {key: PRESSED[key] for key in ("kind", "wall", "contact.law", "gravity_m_s2")}
+    simulation = comminute.Simulation(comminute.Scene({**scene, "duration_s": 0.02, "block": blocks, "material": material}))
+    most = {"walls": 0.0, "bodies": 0.0}
+    simulation.step()
+    step = simulation.time
+    while not simulation.is_over:
+        before = [(body.force, body.torque, body.velocity, body.spin) for body in simulation.bodies]
+        last, earlier = simulation.time, step
+        simulation.step()
+        step = simulation.time - last
+        # velocities are those between two instants
+        dt = 0.5 * (earlier + step)
+        for body, (force, torque, velocity, spin) in zip(simulation.bodies, before, strict=True):
+            gained = body.mass * ((body.velocity - velocity) / dt + [0.0, 0.0, 9.81])
+            np.testing.assert_allclose(gained, force, atol=1e-6 * (1 + np.abs(force).max()))
+            # the moment of a cube is the same about all axes
+            turned = body.mass * 0.02**2 / 6 * (body.spin - spin) / dt
+            np.testing.assert_allclose(turned, torque, atol=1e-6 * (1e-3 + np.abs(torque).max()))
+            most = {name: max(most[name], np.abs(body.forces[name]).max()) for name in most}
+    assert min(most.values()) > 1.0 and len(simulation.points) == len(simulation.ids) == 0
+
+
 def test_a_side_of_the_grid_bears_the_weight():
     grid = {"cell_mm": 5.0, "min_mm": [-20.0, -20.0, 0.0], "max_mm": [60.0, 60.0, 40.0], "z_low": "slip"}
     scene = {key: PRESSED[key] for key in ("body", "gravity_m_s2", "material")}
