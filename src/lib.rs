@@ -63,7 +63,7 @@
 //! # Ok::<(), comminute::Error>(())
 //! ```
 //!
-//! [`run::Simulation`] does the same for any test of grains, specimen and programme included, and lets the program drive its walls.
+//! [`run::Simulation`] does the same for any test but platen tests, specimen and programme included, and lets the program drive its walls and bodies.
 //! Specimens are made by [`rig::preparation`] and tested by [`testing`]; a continuum with or without grains by [`rig::continuum`].
 //! The folder `examples` of the repository has a short program for each.
 //!

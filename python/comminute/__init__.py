@@ -17,7 +17,7 @@ from ._comminute import __version__, key_reference
 from ._figures import Figure, Figures
 from ._run import Run, plot, resume
 from ._scene import Scene
-from ._simulation import Simulation, Wall, Walls
+from ._simulation import Bodies, Body, Points, Simulation, Wall, Walls
 from .errors import Error, RunWarning
 
 # runs of a campaign are processes: this Python, which must not find a folder `comminute` where it is started instead of the package
@@ -25,11 +25,14 @@ if sys.executable:
     _comminute.runs_by(sys.executable, ["-P", "-m", "comminute"])
 
 __all__ = [
+    "Bodies",
+    "Body",
     "Calibration",
     "Ensemble",
     "Error",
     "Figure",
     "Figures",
+    "Points",
     "Results",
     "Run",
     "RunWarning",

@@ -84,6 +84,17 @@ pub struct Wall {
 }
 
 impl WallShape {
+    /// Way along its normal from the shape `reference` to here, m, positive towards the grains.
+    pub fn way_since(&self, reference: &WallShape) -> f64 {
+        match (*self, reference) {
+            (WallShape::Plane { point, normal }, WallShape::Plane { point: q, .. }) => {
+                (point[0] - q[0]) * normal[0] + (point[1] - q[1]) * normal[1] + (point[2] - q[2]) * normal[2]
+            }
+            (WallShape::Cylinder { radius, .. }, WallShape::Cylinder { radius: r, .. }) => r - radius,
+            _ => f64::INFINITY,
+        }
+    }
+
     /// Unit normal from a sphere towards the wall, and the gap between sphere and wall, m (negative: they overlap). `p`: centre x, y, z and radius, m.
     #[inline(always)]
     pub fn towards(&self, p: [f64; 4]) -> ([f64; 3], f64) {
@@ -158,13 +169,7 @@ impl Wall {
 
     /// Way of the wall along its normal since it had the shape `reference`, m, positive towards the grains.
     pub fn way_since(&self, reference: &WallShape) -> f64 {
-        match (self.shape, reference) {
-            (WallShape::Plane { point, normal }, WallShape::Plane { point: q, .. }) => {
-                (point[0] - q[0]) * normal[0] + (point[1] - q[1]) * normal[1] + (point[2] - q[2]) * normal[2]
-            }
-            (WallShape::Cylinder { radius, .. }, WallShape::Cylinder { radius: r, .. }) => r - radius,
-            _ => f64::INFINITY,
-        }
+        self.shape.way_since(reference)
     }
 }
 

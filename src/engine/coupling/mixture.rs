@@ -406,19 +406,34 @@ impl Mixture {
         if !self.has_moving_walls() {
             return;
         }
-        let sums = &mut self.on_walls;
+        let mut sums = std::mem::take(&mut self.on_walls);
+        self.press_by_others(&mut sums);
+        for (wall, &mut [force, stiffness]) in self.grains.walls.iter_mut().zip(&mut sums) {
+            // trapezium rule: the last reaction, of all, has been counted by the grains' step as if grains alone had pressed
+            wall.work += 0.5 * force * wall.speed * self.last;
+            wall.reaction += force;
+            wall.stiffness += stiffness;
+        }
+        self.on_walls = sums;
+    }
+
+    /// Sets `sums` to the forces of points and rigid bodies on each wall, N, and the stiffnesses of their contacts, N/m.
+    fn press_by_others(&self, sums: &mut Vec<[f64; 2]>) {
         sums.clear();
         sums.resize(self.grains.walls.len(), [0.0; 2]);
         self.point_contacts.add_wall_forces(sums);
         if let Some(blocks) = &self.blocks {
             blocks.add_wall_forces(sums);
         }
-        for (wall, &mut [force, stiffness]) in self.grains.walls.iter_mut().zip(sums) {
-            // trapezium rule: the last reaction, of all, has been counted by the grains' step as if grains alone had pressed
-            wall.work += 0.5 * force * wall.speed * self.last;
-            wall.reaction += force;
-            wall.stiffness += stiffness;
+    }
+
+    /// Normal force of grains, points and rigid bodies on wall `wall`, N, at the instant of the last [`Self::compute_forces`], whether walls move or not.
+    pub fn force_on_wall(&self, wall: usize) -> f64 {
+        let mut sums = Vec::new();
+        if !self.has_moving_walls() {
+            self.press_by_others(&mut sums);
         }
+        self.grains.walls[wall].reaction + sums.get(wall).map_or(0.0, |[force, _]| *force)
     }
 
     /// Breakages of grains and of rigid bodies so far.

@@ -136,8 +136,14 @@ impl BlockContact {
     }
 
     /// Torque of the contact on the body about its centre of mass, N m.
-    fn torque(&self) -> [f64; 3] {
+    pub(super) fn torque(&self) -> [f64; 3] {
         plus(cross(self.arm, scaled(self.touch.force(), self.share)), self.beside[1])
+    }
+
+    /// The same torque about the centre of mass of body `second`, which feels the opposite of it.
+    pub(super) fn torque_about(&self, blocks: &[Block], second: usize) -> [f64; 3] {
+        let between = less(blocks[self.block as usize].centre, blocks[second].centre);
+        plus(self.torque(), cross(between, self.force()))
     }
 
     pub(super) fn is_of_point(&self) -> bool {
@@ -258,8 +264,7 @@ impl Blocks {
                 Other::Block { block, .. } => {
                     // equal and opposite, about the centre of the second
                     let (second, force) = (block as usize, c.force());
-                    let between = less(self.blocks[c.block as usize].centre, self.blocks[second].centre);
-                    let torque = plus(c.torque(), cross(between, force));
+                    let torque = c.torque_about(&self.blocks, second);
                     let applied = &mut self.applied[second];
                     *applied = [less(applied[0], force), less(applied[1], torque)];
                 }

@@ -246,6 +246,25 @@ impl Blocks {
         self.drives.as_ref()?.bodies.get(block)
     }
 
+    /// Lets the driven body `block` move at a velocity, m/s, and a spin, rad/s, from the next step on; a path that it followed ends. What the body gains is work of what drives it, which is kept
+    /// from now on. A body that is not driven goes its way.
+    pub fn drive_at(&mut self, block: usize, velocity: [f64; 3], spin: [f64; 3]) {
+        let Blocks { blocks, drives, .. } = self;
+        let bodies = vec![Drive::default(); blocks.len()];
+        let body = &mut blocks[block];
+        if !body.driven {
+            return;
+        }
+        let before = body.kinetic();
+        body.velocity = velocity;
+        body.set_spin(spin);
+        let drives = drives.get_or_insert_with(|| Box::new(Drives { bodies, ..Drives::default() }));
+        if let Some(drive) = drives.bodies.get_mut(block) {
+            drive.programme.path = None;
+            drive.of_hold += body.kinetic() - before;
+        }
+    }
+
     /// Work of all that drives, holds and pushes bodies, J; `None`: nothing does.
     pub fn given(&self) -> Option<f64> {
         self.drives.as_ref().map(|drives| drives.bodies.iter().map(|drive| drive.of_push + drive.of_hold).sum())
@@ -348,5 +367,27 @@ mod tests {
         let given = drive.of_push;
         assert!((given - along_x - 0.5 * block.mass * block.velocity[2].powi(2)).abs() < 2e-3 * given, "{given}");
         assert!((drive.of_hold + along_x).abs() < 2e-3 * given, "{} {along_x}", drive.of_hold);
+    }
+
+    /// A driven body leaves its path for the velocity that it is told, and the work that is kept is its kinetic energy; one that is free does not obey.
+    #[test]
+    fn a_driven_body_obeys_from_the_next_step_on() {
+        let mut driven = cube();
+        driven.driven = true;
+        let programme = Programme { path: Some(Path { angles: vec![0.0; 4], ..path() }), ..Programme::default() };
+        let on_a_path = Blocks::new(vec![driven.clone(), cube()]).with_drives(vec![programme, Programme::default()], Vec::new());
+        for mut blocks in [on_a_path, Blocks::new(vec![driven, cube()])] {
+            for k in 0..2 {
+                blocks.drive_at(k, [0.2, 0.0, -0.4], [0.0, 0.0, 3.0]);
+            }
+            let Blocks { blocks: bodies, drives, .. } = &mut blocks;
+            for (body, drive) in bodies.iter_mut().zip(&mut drives.as_mut().expect("works are kept").bodies) {
+                drive.advance(body, [[0.0; 3]; 2], 0.0, 0.25, 0.5);
+            }
+            assert_eq!([blocks.blocks[0].centre, blocks.blocks[1].centre], [[0.1, 0.0, -0.2], [0.0; 3]]);
+            let (spin, kinetic) = (blocks.blocks[0].spin(), blocks.blocks[0].kinetic());
+            assert!((spin[2] - 3.0).abs() < 1e-14 && kinetic > 0.0);
+            assert_eq!(blocks.given(), Some(kinetic));
+        }
     }
 }

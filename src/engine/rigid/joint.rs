@@ -314,6 +314,14 @@ impl Joint {
     }
 }
 
+impl Joint {
+    /// Torque of what it does to its second body, about the centre of mass of a body, N m.
+    fn torque_about(&self, block: &Block) -> [f64; 3] {
+        let [force, torque] = self.now.on_second;
+        plus(torque, cross(less(self.now.at, block.centre), force))
+    }
+}
+
 impl Blocks {
     /// Computes what the joints do at this instant, time `time`, s, and breaks those that are at their strength.
     pub fn pull(&mut self, time: f64) {
@@ -332,10 +340,10 @@ impl Blocks {
     /// Adds what the joints do to the forces on the bodies.
     pub(super) fn add_joints(&mut self) {
         let Blocks { blocks, applied, drives: Some(drives), .. } = self else { return };
-        for Joint { bond, now, .. } in &drives.joints {
-            let [force, torque] = now.on_second;
+        for joint in &drives.joints {
+            let (bond, force) = (&joint.bond, joint.now.on_second[0]);
             let mut add = |k: u32, sign: f64| {
-                let about = plus(torque, cross(less(now.at, blocks[k as usize].centre), force));
+                let about = joint.torque_about(&blocks[k as usize]);
                 let sum = &mut applied[k as usize];
                 *sum = [plus(sum[0], scaled(force, sign)), plus(sum[1], scaled(about, sign))];
             };
@@ -362,11 +370,21 @@ impl Blocks {
 
     /// Force of all joints on body `block`, N.
     pub fn joint_force(&self, block: usize) -> [f64; 3] {
+        self.of_joints(block, |joint| joint.now.on_second[0])
+    }
+
+    /// Torque of all joints on body `block` about its centre of mass, N m.
+    pub(super) fn joint_torque(&self, block: usize) -> [f64; 3] {
+        self.of_joints(block, |joint| joint.torque_about(&self.blocks[block]))
+    }
+
+    /// Sum over the joints of body `block` of what they do to their second body; to their first they do the opposite.
+    fn of_joints(&self, block: usize, on_second: impl Fn(&Joint) -> [f64; 3]) -> [f64; 3] {
         let mut sum = [0.0; 3];
-        for Joint { bond, now, .. } in self.drives.iter().flat_map(|drives| &drives.joints) {
-            for (k, sign) in [(Some(bond.first), -1.0), (bond.second, 1.0)] {
+        for joint in self.drives.iter().flat_map(|drives| &drives.joints) {
+            for (k, sign) in [(Some(joint.bond.first), -1.0), (joint.bond.second, 1.0)] {
                 if k == Some(block as u32) {
-                    sum = plus(sum, scaled(now.on_second[0], sign));
+                    sum = plus(sum, scaled(on_second(joint), sign));
                 }
             }
         }

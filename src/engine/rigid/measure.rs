@@ -131,6 +131,20 @@ impl Blocks {
         self.all_forces()[block]
     }
 
+    /// Torque of all that touches body `block` and of its joints about its centre of mass, N m.
+    pub fn torque(&self, block: usize) -> [f64; 3] {
+        let mut sum = self.joint_torque(block);
+        for c in self.touching() {
+            if c.block as usize == block {
+                sum = plus(sum, c.torque());
+            }
+            if matches!(c.other, Other::Block { block: second, .. } if second as usize == block) {
+                sum = less(sum, c.torque_about(&self.blocks, block));
+            }
+        }
+        sum
+    }
+
     /// Calls `add` for each contact that touches with whether its other side is a point, the force on the body, N, and the vector from the body's centre to that of the other side, m: to
     /// where a wall is touched, and to where the force acts on a point. Their dyadic products make the Love–Weber stress of the contacts.
     pub fn branches(&self, grains: &Grains, continuum: &Continuum, mut add: impl FnMut(bool, [f64; 3], [f64; 3])) {

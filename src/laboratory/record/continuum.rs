@@ -237,7 +237,8 @@ impl Recorder {
     }
 }
 
-fn stage(phase: Phase) -> &'static str {
+/// The stage of a test, as a word in its records.
+pub fn stage(phase: Phase) -> &'static str {
     if phase == Phase::Settle { "settle" } else { "load" }
 }
 

@@ -11,7 +11,7 @@ use crate::error::{Error, Result};
 use crate::gradation::{Gradation, Indices};
 use crate::model::Model;
 use crate::model::continuum::MpmTest;
-use crate::rig::continuum::State;
+use crate::rig::continuum::{Broken, State};
 use engine::breakage::lost_mass::excluded_grains;
 use engine::check::{Checked, lengths};
 use engine::coupling::Mixture;
@@ -42,6 +42,16 @@ pub struct Crushed {
     /// Gradation before loading; a resumed run takes it from the rig.
     #[serde(skip)]
     initial: Option<Gradation>,
+}
+
+/// Breakages since they were last taken.
+pub struct Taken {
+    /// Rows of `breakage.csv`.
+    pub grains: Vec<Row>,
+    /// Rows of `block_breakage.csv`.
+    pub bodies: Vec<Row>,
+    /// Rigid bodies that have a new surface, by number.
+    pub pieces: Vec<u32>,
 }
 
 impl Default for Crushed {
@@ -121,28 +131,34 @@ impl Crushed {
         Ok(())
     }
 
-    /// Writes the rows of `breakage.csv` and of `block_breakage.csv` for the breakages since the last call, and those of the pieces' surfaces.
-    ///
-    /// # Errors
-    /// A file that cannot be written.
-    pub fn breakages(&mut self, out: &Path, state: &mut State, surfaces: &mut Table) -> Result<()> {
-        for broken in std::mem::take(&mut state.broken) {
+    /// Takes the breakages since the last call.
+    pub fn take(&mut self, state: &mut State) -> Taken {
+        let row = |broken: Broken| {
             // the platens move at a given speed: there is no target of the stress
             self.broken.add(&broken.event, false);
             self.ancestors.add(&broken.event);
             let mut row = breakages::row(&broken.event, broken.step, broken.axial);
             row.push(("time_s", broken.time.into()));
-            self.breakage.push(out, &row)?;
-        }
-        let time = state.time;
-        let Some(theirs) = state.mixture.as_mut().and_then(|m| m.blocks.as_mut()) else { return Ok(()) };
-        let broken = theirs.take_breakages();
-        for b in &broken {
-            self.block_breakage.push(out, &block_breakages::row(b, time))?;
-        }
+            row
+        };
+        let grains = std::mem::take(&mut state.broken).into_iter().map(row).collect();
+        let (time, blocks) = (state.time, state.mixture.as_mut().and_then(|m| m.blocks.as_mut()));
+        let broken = blocks.map_or(Vec::new(), |blocks| blocks.take_breakages());
         let mut pieces: Vec<u32> = broken.iter().flat_map(|b| b.pieces.iter().copied()).collect();
         pieces.sort_unstable();
         pieces.dedup();
+        Taken { grains, bodies: broken.iter().map(|b| block_breakages::row(b, time)).collect(), pieces }
+    }
+
+    /// Writes the rows of `breakage.csv` and of `block_breakage.csv` for the breakages since the last call, and those of the pieces' surfaces.
+    ///
+    /// # Errors
+    /// A file that cannot be written.
+    pub fn breakages(&mut self, out: &Path, state: &mut State, surfaces: &mut Table) -> Result<()> {
+        let Taken { grains, bodies, pieces } = self.take(state);
+        grains.iter().try_for_each(|row| self.breakage.push(out, row))?;
+        bodies.iter().try_for_each(|row| self.block_breakage.push(out, row))?;
+        let Some(theirs) = state.blocks() else { return Ok(()) };
         for k in pieces {
             blocks::surface(theirs, k as usize).iter().try_for_each(|row| surfaces.push(out, row))?;
         }

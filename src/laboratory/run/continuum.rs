@@ -1,11 +1,14 @@
 //! The loop of a continuum or mixture: steps, records, checkpoints, stop, and the files at the end.
 //!
-//! On the CPU [`State::advance`] makes one step; on a graphics device it makes as many as possible until something is due. The
+//! On the CPU a call of [`Moving::advance`] makes one step; on a graphics device it makes as many as possible until something is due. The
 //! [`Engine`] makes the steps, and copies points and grains back from the device for records and checkpoints.
+
+pub(super) mod step;
+mod tables;
 
 use super::backend::{Backend, Chosen, Used, choose};
 use super::progress_bar::Bar;
-use super::{LOOK, Outcome, files, multiplies, watch};
+use super::{LOOK, Outcome, files};
 use crate::error::{Error, Result};
 use crate::interrupt::stop_asked;
 use crate::model::Model;
@@ -13,20 +16,18 @@ use crate::model::continuum::{MpmSpecimen, MpmTest, Test};
 use crate::record::continuum as records;
 use crate::record::continuum::{END, GRAINS_START, Recorder, START};
 use crate::record::crushed::Crushed;
-use crate::record::vtk::{self, Fact};
-use crate::record::walls::Loaded;
-use crate::record::{account, blocks, checkpoint, contacts, joints, specimen, wall_rows};
+use crate::record::{account, blocks, checkpoint, joints, specimen, wall_rows};
 use crate::rig::continuum::{Engine, Growing, Grown, Phase, State, growing};
-use engine::boundary::WallShape;
 use engine::check::{self, Checked};
 use engine::coupling::Mixture;
 use engine::mpm::law::Law;
-use engine::mpm::{Dimension, LoadingPlate};
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
 use std::path::Path;
 use std::time::{Duration, Instant};
+use step::{Looks, Moving};
 use table::Table;
+use tables::Tables;
 
 /// Everything that a restart needs; the content of the checkpoint.
 #[derive(Serialize, Deserialize)]
@@ -57,9 +58,9 @@ struct Progress {
     seconds: f64,
     /// CPU time of the process in user mode, s.
     user_seconds: f64,
-    /// [`watch::first_step_of_points`].
+    /// What is known of earlier steps.
     #[serde(skip)]
-    first_step: f64,
+    looks: Looks,
 }
 
 /// A run that is set up and has not written any file.
@@ -82,7 +83,7 @@ pub fn begin(model: &Model, rig: &MpmTest, chosen: Chosen) -> Result<Begun> {
     let (surfaces, joints) = (Table::new(blocks::SURFACES), Table::new(joints::JOINTS));
     let walls = Table::new(wall_rows::WALL_ROWS);
     let (recorder, crushed, snapshots) = (Recorder::default(), Crushed::default(), Vec::new());
-    let (growing, grown, [seconds, user_seconds, first_step]) = (None, None, [0.0; 3]);
+    let (growing, grown, [seconds, user_seconds]) = (None, None, [0.0; 2]);
     let progress = Progress {
         state,
         growing,
@@ -99,7 +100,7 @@ pub fn begin(model: &Model, rig: &MpmTest, chosen: Chosen) -> Result<Begun> {
         snapshots,
         seconds,
         user_seconds,
-        first_step,
+        looks: Looks::default(),
     };
     Ok(Begun { progress, engine })
 }
@@ -270,16 +271,11 @@ pub fn go_on(model: &Model, rig: &MpmTest, begun: Begun, out: &Path, quiet: bool
 fn make_test(model: &Model, rig: &MpmTest, out: &Path, begun: Begun, quiet: bool, stop_after: Option<u64>) -> Result<Outcome> {
     let Begun { mut progress, mut engine } = begun;
     progress.crushed.open(model, rig);
-    progress.first_step = watch::first_step_of_points(model, rig);
+    progress.looks = Looks::new(model, rig, &progress.state);
     let mut beside = Beside::new(model, out, quiet, stop_after, &progress);
     let before = progress.grown.as_ref().map_or(0, |g| g.steps);
-    let mut grains = progress.grains();
     loop {
-        let mut done = progress.advance(model, rig, &mut engine, out);
-        if multiplies(grains, progress.grains()) {
-            done = done.and_then(|done| progress.watch(model).map(|()| done));
-            grains = progress.grains();
-        }
+        let done = progress.advance(model, rig, &mut engine, out);
         beside.clock.read(&mut progress);
         match done {
             Ok(true) => break,
@@ -330,67 +326,11 @@ impl Progress {
         check::not_negative("seconds", [self.seconds, self.user_seconds])
     }
 
-    /// One [`State::advance`], with the records that are due. True when the run is done.
+    /// One step, or on a device as many as it makes until something is due, with the records that are due. True when the run is done.
     fn advance(&mut self, model: &Model, rig: &MpmTest, engine: &mut Engine, out: &Path) -> Result<bool> {
-        let Progress { state, recorder, history, blocks, surfaces, joints, walls, account, crushed, snapshots, first_step, .. } =
-            self;
-        let mut recorded = false;
-        let advanced = state.advance(model, rig, engine, |state, engine| {
-            watch::slow_points(model, state, *first_step)?;
-            let due = recorder.due(rig, state);
-            if due.row {
-                recorded = true;
-                engine.read_back(state, model)?;
-                let mut row = recorder.row(rig, state);
-                row.extend(crushed.columns(model, state)?);
-                history.push(out, &row)?;
-                if let Some(now) = state.account(model, rig) {
-                    let strain = rig.specimen().map(|_| recorder.at(rig, state).axial_strain);
-                    account.push(out, &account::row(&now, state.continuum.steps(), state.time, strain))?;
-                    recorder.account_error = Some(now.error());
-                }
-                watch::continuum(rig, state, recorder)?;
-                if let Some(theirs) = state.blocks() {
-                    let (step, time) = (state.continuum.steps(), state.time);
-                    let mut tracks = blocks::rows(theirs, model.physics.gravity, step, time);
-                    tracks.try_for_each(|row| blocks.push(out, &row))?;
-                    joints::rows(theirs, step, time).iter().try_for_each(|row| joints.push(out, row))?;
-                }
-                if let Some((mixture, coarse)) =
-                    state.mixture.as_ref().zip(rig.coarse.as_ref()).filter(|_| rig.specimen().is_none())
-                {
-                    let rows = wall_rows::rows(mixture, &coarse.walls, state.continuum.steps(), state.time);
-                    rows.iter().try_for_each(|row| walls.push(out, row))?;
-                }
-            }
-            if due.frame {
-                crushed.gradation(out, model, state, &recorder.at(rig, state))?;
-                instant(out, model, state, &facts(rig, state, recorder), crushed, snapshots)?;
-            }
-            Ok(recorder.next(rig, state))
-        });
-        // breakages before an error are recorded as well
-        crushed.breakages(out, state, surfaces)?;
-        advanced?;
-        let done = state.phase == Phase::Done;
-        // a device's points are known where they have been copied for a row
-        let known = if engine.is_device() { recorded } else { state.continuum.steps().is_multiple_of(LOOK) };
-        if done || known {
-            self.watch(model)?;
-            watch::kinetic_of_points(rig, &self.state)?;
-        }
-        Ok(done)
-    }
-
-    /// Number of grains.
-    fn grains(&self) -> usize {
-        self.state.mixture.as_ref().map_or(0, |mixture| mixture.grains.grains.len())
-    }
-
-    /// Fails when places or overlaps of grains are no longer meaningful.
-    fn watch(&self, model: &Model) -> Result<()> {
-        let Some(mixture) = &self.state.mixture else { return Ok(()) };
-        watch::grains(&mixture.grains, model.records.stop_at_overlap, self.state.continuum.steps())
+        let Progress { state, recorder, history, blocks, surfaces, joints, walls, account, crushed, snapshots, looks, .. } = self;
+        let mut moving = Moving { model, rig, state, engine, recorder, crushed, looks };
+        moving.advance(&mut Tables { out, history, blocks, surfaces, joints, walls, account, snapshots })
     }
 
     fn sync(&mut self, out: &Path) -> Result<()> {
@@ -431,81 +371,6 @@ fn leave(model: &Model, rig: &MpmTest, state: &State, out: &Path) -> Result<()> 
         return Ok(());
     }
     records::write_points(&out.join(END), rig, state.continuum.points(), Some(&rig.points))
-}
-
-/// The numbers that are noted in every snapshot: step, time, and in a test stress and strain.
-fn facts(rig: &MpmTest, state: &State, recorder: &Recorder) -> Vec<Fact> {
-    let mut facts = vec![("step", state.continuum.steps() as f64), ("time_s", state.time)];
-    if rig.specimen().is_some() {
-        let at = recorder.at(rig, state);
-        facts.extend([("sigma_v_kPa", 1e-3 * at.sigma_v), ("axial_strain", at.axial_strain)]);
-    }
-    facts
-}
-
-/// Writes snapshots of points, grains, rigid bodies and walls, and the contacts of grains, as far as the scene asks for them.
-fn instant(
-    out: &Path,
-    model: &Model,
-    state: &State,
-    facts: &[Fact],
-    crushed: &Crushed,
-    snapshots: &mut Vec<files::Snapshot>,
-) -> Result<()> {
-    if !(model.records.snapshots || model.records.contacts) {
-        return Ok(());
-    }
-    let dir = out.join(files::SNAPSHOTS);
-    table::folder(&dir).map_err(Error::write(&dir))?;
-    let step = state.continuum.steps();
-    let touching = state.mixture.as_ref().map_or(Vec::new(), |m| contacts::of_mixture(m, &state.continuum));
-    if let Some(mixture) = state.mixture.as_ref().filter(|_| model.records.contacts) {
-        let names = contacts::names(&mixture.grains.walls, !state.plates.is_empty());
-        contacts::write(&dir.join(format!("contacts_{step:08}.csv")), facts, &mixture.grains.grains, &names, &touching)?;
-    }
-    if !model.records.snapshots {
-        return Ok(());
-    }
-    let failed = vtk::VtkError::at(step);
-    snapshots.push((state.time, step));
-    if has_points(state) {
-        records::write_snapshot(&out.join(files::snapshot_name("step_", step)), facts, &state.continuum)?;
-        vtk::write_collection(&out.join(files::COLLECTION), &files::listed(snapshots, "step_")).map_err(failed)?;
-    }
-    if let Some(mixture) = of_grains(state) {
-        let grains = &mixture.grains.grains;
-        let stresses = contacts::mean_stresses(grains, &touching);
-        let descent = |id| crushed.descent(model, grains, id);
-        records::write_grains(&dir.join(format!("grains_{step:08}.vtp")), facts, step, grains, &stresses, descent)?;
-        vtk::write_collection(&out.join(files::GRAINS), &files::listed(snapshots, "grains_")).map_err(failed)?;
-    }
-    if let Some(theirs) = state.blocks() {
-        blocks::write_surfaces(&dir.join(format!("blocks_{step:08}.vtp")), facts, step, theirs)?;
-        vtk::write_collection(&out.join(files::BLOCKS), &files::listed(snapshots, "blocks_")).map_err(failed)?;
-    }
-    let loaded = walls(state);
-    let bodies = state.continuum.points().position.iter().map(|p| [p[0], p[1], p[2], 0.0]);
-    let bodies = bodies.chain(state.mixture.iter().flat_map(|m| m.grains.grains.pos.iter().copied()));
-    let blocks = state.blocks().into_iter().flat_map(|theirs| &theirs.blocks);
-    let bodies = bodies.chain(blocks.map(|b| [b.centre[0], b.centre[1], b.centre[2], b.solid().reach()]));
-    files::write_walls(out, step, bodies, &loaded, facts, snapshots)
-}
-
-/// Shape and force, N, of the platens and shells of a test, or of the walls of a free scene with grains. Empty in plane strain,
-/// where walls would be lines.
-fn walls(state: &State) -> Vec<Loaded> {
-    if state.continuum.settings().dimension == Dimension::PlaneStrain {
-        return Vec::new();
-    }
-    let plate = |p: &LoadingPlate| {
-        let plane = WallShape::Plane { point: p.point, normal: p.normal };
-        let shell = |radius| WallShape::Cylinder { centre: [p.point[0], p.point[1]], radius };
-        (p.radius.map_or(plane, shell), p.force())
-    };
-    match &state.mixture {
-        Some(mixture) if state.plates.is_empty() => mixture.grains.walls.iter().map(|w| (w.shape, w.reaction)).collect(),
-        _ => state.plates.iter().map(plate).collect(),
-    }
 }
 
 /// Share of the test that is done, and a line about it for the progress bar.

@@ -38,7 +38,7 @@ pub use of_scene::{SceneOptions, Word, run_scene};
 use progress_bar::Bar;
 pub use progress_bar::human;
 use serde::{Deserialize, Serialize};
-pub use simulation::Simulation;
+pub use simulation::{Simulation, WallNow};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 

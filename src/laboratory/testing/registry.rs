@@ -95,6 +95,11 @@ macro_rules! specimen_tests {
                 match self { $(Test::$test(test) => SpecimenTest::settles(test),)* }
             }
 
+            /// [`SpecimenTest::fines`]
+            pub fn fines(&self) -> Option<&Continuum> {
+                match self { $(Test::$test(test) => SpecimenTest::fines(test),)* }
+            }
+
             /// [`SpecimenTest::moment`]
             pub fn moment(&self, rig: &Rig, state: &State) -> Moment {
                 match (self, rig) {

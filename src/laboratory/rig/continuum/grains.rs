@@ -7,7 +7,7 @@ use crate::model::{Assembly, Model};
 use crate::rig::assembly;
 use ::engine::boundary::{Drive, Wall, WallShape, WallSpec, servo_speed};
 use ::engine::coupling::{Allowed, Cycle, Mixture, Parts, Rates};
-use ::engine::dem::{Workspace, stability};
+use ::engine::dem::{Workspace, observables, stability};
 #[cfg(feature = "gpu")]
 use ::engine::gpu;
 use ::engine::mpm::loading_plate::ghost_radius;
@@ -18,7 +18,7 @@ use ::engine::point_contacts::PointContactTable;
 use ::engine::rigid::{Block, Blocks};
 
 /// A fixed rigid plane without friction.
-fn smooth(point: [f64; 3], normal: [f64; 3]) -> WallSpec {
+pub(super) fn smooth(point: [f64; 3], normal: [f64; 3]) -> WallSpec {
     WallSpec { shape: WallShape::Plane { point, normal }, friction: 0.0, drive: Drive::Fixed, material: None }
 }
 
@@ -215,6 +215,11 @@ impl Coupled {
         state.time += cycle.time;
         state.phase_time += cycle.time;
         Ok(())
+    }
+
+    /// Force, N, on the grain at index `grain`, from contacts with grains, walls, points and bodies and from gravity, before damping.
+    pub fn force(&self, model: &Model, mixture: &Mixture, grain: usize) -> [f64; 3] {
+        observables::force_and_torque(grain, &model.physics, &mixture.grains, &self.work).0
     }
 
     /// Memory for grains and contacts, bytes.

@@ -231,6 +231,14 @@ impl State {
         moment
     }
 
+    /// Lets `read` take the measures for a row ([`Self::moment`]), and goes on as if it had not.
+    pub fn aside<T>(&mut self, read: impl FnOnce(&mut State) -> T) -> T {
+        let means = self.means.clone();
+        let found = read(self);
+        self.means = means;
+        found
+    }
+
     /// The measures of the present instant.
     fn instant(&self, rig: &MpmTest) -> Moment {
         let (c, points) = (&self.continuum, self.continuum.points());

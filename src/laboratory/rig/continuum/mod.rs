@@ -4,10 +4,12 @@
 mod account;
 #[cfg(feature = "gpu")]
 mod device;
+mod driven;
 mod engine;
 mod grains;
 mod growth;
 mod measure;
+mod sides;
 mod specimen;
 
 pub(crate) use account::{EnergyAccount, TERMS};
@@ -18,10 +20,12 @@ pub use grains::Coupled;
 pub(crate) use grains::platens;
 pub(crate) use growth::{Growing, Grown, growing};
 pub(crate) use measure::{GrainMeasures, Moment};
+pub(crate) use sides::Side;
 
 use crate::error::{Error, Result};
 use crate::model::Model;
 use crate::model::continuum::{MpmTest, Test};
+use ::engine::boundary::Drive;
 use ::engine::check::{self, Checked, ensure};
 use ::engine::coupling::Mixture;
 use ::engine::dem::event::Breakage;
@@ -212,14 +216,33 @@ impl State {
         engine: &mut Engine,
         observe: impl FnOnce(&mut State, &Engine) -> Result<f64>,
     ) -> Result<()> {
+        self.look(model, rig, engine, None)?;
+        let next = observe(self, engine)?;
+        self.go(model, rig, engine, next)
+    }
+
+    /// First part of a step: computes the forces of this instant, the time step, and how the loading plates move: as the test's programme says, or as `told`, each by its index.
+    ///
+    /// # Errors
+    /// As [`Self::advance`].
+    pub fn look(&mut self, model: &Model, rig: &MpmTest, engine: &mut Engine, told: Option<&[Drive]>) -> Result<()> {
         engine.compute_forces(self, model, rig)?;
         self.find_step(model, rig, engine)?;
-        self.programme(rig)?;
-        let next = observe(self, engine)?;
-        if self.phase == Phase::Done {
-            return Ok(());
+        match told {
+            None => self.programme(rig),
+            Some(told) => {
+                self.obey(rig, told);
+                Ok(())
+            }
         }
-        engine.steps(self, model, rig, next)
+    }
+
+    /// Second part of a step, after [`Self::look`]: moves points, grains and walls, but in [`Phase::Done`]. `next`: the share of the test at which the test must be looked at again.
+    ///
+    /// # Errors
+    /// As [`Self::advance`].
+    pub fn go(&mut self, model: &Model, rig: &MpmTest, engine: &mut Engine, next: f64) -> Result<()> {
+        if self.phase == Phase::Done { Ok(()) } else { engine.steps(self, model, rig, next) }
     }
 
     /// Sets the time step: the fixed one, or the share `stepping.safety` of the largest that waves through a cell and the

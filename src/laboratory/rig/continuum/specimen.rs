@@ -8,11 +8,11 @@ use ::engine::mpm::{Continuum, Dimension, PlateDrive, Ramp, area, face_share};
 
 /// Largest lateral strain rate of loading plates under servo over the axial strain rate. A wave time below is the time of a
 /// compression wave through the height of the specimen.
-const LATERAL: f64 = 4.0;
+pub(super) const LATERAL: f64 = 4.0;
 /// Largest inertial number with which loading plates close on rigid bodies that settle, by the stress that they will bear.
 const CLOSING: f64 = 0.01;
 /// Wave times over which the mean speed of a lateral loading plate is taken.
-const DRIFT: f64 = 4.0;
+pub(super) const DRIFT: f64 = 4.0;
 /// Wave times in which the axial loading plates take up their speed.
 const RAMP: f64 = 5.0;
 /// Largest difference of the stress on a side from the cell pressure, over the cell pressure, at rest.
@@ -87,7 +87,7 @@ pub fn plates(rig: &MpmTest, continuum: &Continuum) -> Vec<LoadingPlate> {
 }
 
 /// Index of the loading plate at side `k` (x low, x high, y low, …); `None` where the side is a wall of the grid.
-fn at_side(rig: &MpmTest, k: usize) -> Option<usize> {
+pub(super) fn at_side(rig: &MpmTest, k: usize) -> Option<usize> {
     let d = dimensions(rig);
     match &rig.test {
         Test::Free { .. } => None,
@@ -140,11 +140,19 @@ impl State {
 
     /// Stress on each side, Pa, compression positive, in the order x low, x high, y low, …; 0 in a free scene.
     pub(super) fn sides(&self, rig: &MpmTest) -> [f64; 6] {
-        let wall = |k: usize| self.continuum.wall_force()[k][k / 2] * if k % 2 == 1 { -1.0 } else { 1.0 };
+        self.stresses(rig, self.extents_now(rig), |k| self.plates[k].force(), |k| self.on_side(rig, k))
+    }
+
+    /// Force of points and grains on a fixed side `k` of the specimen, N, compression positive.
+    pub(super) fn on_side(&self, rig: &MpmTest, k: usize) -> f64 {
         // with a cylinder only the bottom is a side of the grid, and it is the first wall of the grains
-        let own = |k: usize| if rig.specimen().is_some_and(|s| s.round) { 0 } else { k };
-        let grains = |k: usize| self.mixture.as_ref().map_or(0.0, |m| m.grains.walls[own(k)].reaction);
-        self.stresses(rig, self.extents_now(rig), |k| self.plates[k].force(), |k| wall(k) + grains(k))
+        let own = if rig.specimen().is_some_and(|s| s.round) { 0 } else { k };
+        self.on_grid_side(k) + self.mixture.as_ref().map_or(0.0, |m| m.grains.walls[own].reaction)
+    }
+
+    /// Force of the points on side `k` of the grid in the last step, N, compression positive.
+    pub(super) fn on_grid_side(&self, k: usize) -> f64 {
+        self.continuum.wall_force()[k][k / 2] * if k % 2 == 1 { -1.0 } else { 1.0 }
     }
 
     /// Mean stress on both axial sides at the present instant, Pa.
