@@ -122,7 +122,7 @@ fn pascals_in_a_key_of_megapascals_are_pointed_out() {
 }
 
 /// Templates, and what shortens their runs.
-const TEMPLATES: [(&str, &[&str]); 5] = [
+const TEMPLATES: [(&str, &[&str]); 6] = [
     (
         "oedometer",
         &[
