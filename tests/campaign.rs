@@ -172,7 +172,7 @@ fn everything_wrong_is_refused_before_anything_runs() {
         (&["ensemble", "scene.toml", "--set", "loading.rate=-1"], "must be > 0"),
         (&["ensemble", "scene.toml", "--data", "none.csv"], "none.csv: no such file"),
         (&["ensemble", "scene.toml", "--jobs", "0"], "0"),
-        (&["ensemble", "scene.toml", "--executor", "hyperqueue"], "[possible values: local, slurm, command]"),
+        (&["ensemble", "scene.toml", "--executor", "pbs"], "[possible values: local, slurm, hyperqueue, command]"),
         (&["ensemble", "scene.toml", "--executor", "command", "--executor-command", "ssh node"], "`ssh node` has no place"),
         (&["ensemble", "scene.toml", "--executor-options=--mem=1G"], "is only for --executor slurm"),
         (&["sweep", "scene.toml"], "needs at least one --grid"),

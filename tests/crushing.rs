@@ -451,55 +451,58 @@ fn breakages_after_gradual_birth_are_loads_or_collisions() {
 
 /// What a run says of the stress of its breakages, as a user runs it, controlled by stress and by strain: each is within 5 % of a row beside it, and under strain control
 /// the stress asked for is the one there is.
-#[test]
-fn every_breakage_is_near_the_stress_of_a_row() {
+fn every_breakage_is_near_the_stress_of_a_row(control: &str) {
     let folder = tempfile::tempdir().expect("folder");
-    for control in ["stress", "strain"] {
-        let out = folder.path().join(control);
-        let sets = [
-            &format!("loading.control={control:?}"),
-            "loading.max_stress_kPa=1500",
-            "crushing.birth=gradual",
-            "crushing.lost_mass=grow",
-            "material.strength.fixed_angle.sigma_lim0_MPa=100",
-            "records.figures=false",
-            "records.snapshots=false",
-        ]
-        .map(str::to_string);
-        let mut run = std::process::Command::new(cargo_bin("comminute"));
-        run.current_dir(env!("CARGO_MANIFEST_DIR"))
-            .args(["run", "experiments/calibration/coke_small.toml", "--quiet", "--out"])
-            .arg(&out);
-        for set in &sets {
-            run.args(["--set", set]);
-        }
-        assert!(run.status().expect("started").success());
-        let read = |file: &str| csv::Reader::from_path(out.join(file)).expect(file);
-        let column = |file: &str, name: &str| -> Vec<f64> {
-            let mut reader = read(file);
-            let at = reader.headers().expect("header").iter().position(|h| h == name).expect(name);
-            reader.records().map(|row| row.expect("row")[at].parse().expect("a number")).collect()
-        };
-        let (steps, stresses) = (column("history.csv", "step"), column("history.csv", "sigma_v_kPa"));
-        let broken: Vec<(f64, f64)> =
-            column("breakage.csv", "step").into_iter().zip(column("breakage.csv", "sigma_v_kPa")).collect();
-        assert!(broken.len() > 40, "{control}: {} breakages", broken.len());
-        for (step, stress) in broken {
-            let after = steps.partition_point(|s| *s < step);
-            let near = [after.checked_sub(1), Some(after)].into_iter().flatten().filter_map(|k| stresses.get(k));
-            let distance = near.map(|s| (stress / s - 1.0).abs()).fold(f64::INFINITY, f64::min);
-            assert!(
-                distance < 0.05,
-                "{control}: a breakage at {stress} kPa in step {step} is {distance:.3} from the rows beside it"
-            );
-        }
-        let text = std::fs::read_to_string(out.join("summary.json")).expect("summary");
-        let summary: serde_json::Value = serde_json::from_str(&text).expect("JSON");
-        let off = summary["breakages"]["off_stress_share"].as_f64().expect("a share");
-        assert!(summary["breakages"]["young_share"].as_f64().expect("a share") < 0.05);
-        assert!(control == "stress" || off == 0.0, "{off}");
-        assert!(summary["held_every_step"]["steps"].as_u64().expect("steps") > 1000);
+    let out = folder.path().join(control);
+    let sets = [
+        &format!("loading.control={control:?}"),
+        "loading.max_stress_kPa=1500",
+        "crushing.birth=gradual",
+        "crushing.lost_mass=grow",
+        "material.strength.fixed_angle.sigma_lim0_MPa=100",
+        "records.figures=false",
+        "records.snapshots=false",
+    ]
+    .map(str::to_string);
+    let mut run = std::process::Command::new(cargo_bin("comminute"));
+    run.current_dir(env!("CARGO_MANIFEST_DIR"))
+        .args(["run", "experiments/calibration/coke_small.toml", "--quiet", "--out"])
+        .arg(&out);
+    for set in &sets {
+        run.args(["--set", set]);
     }
+    assert!(run.status().expect("started").success());
+    let read = |file: &str| csv::Reader::from_path(out.join(file)).expect(file);
+    let column = |file: &str, name: &str| -> Vec<f64> {
+        let mut reader = read(file);
+        let at = reader.headers().expect("header").iter().position(|h| h == name).expect(name);
+        reader.records().map(|row| row.expect("row")[at].parse().expect("a number")).collect()
+    };
+    let (steps, stresses) = (column("history.csv", "step"), column("history.csv", "sigma_v_kPa"));
+    let broken: Vec<(f64, f64)> = column("breakage.csv", "step").into_iter().zip(column("breakage.csv", "sigma_v_kPa")).collect();
+    assert!(broken.len() > 40, "{control}: {} breakages", broken.len());
+    for (step, stress) in broken {
+        let after = steps.partition_point(|s| *s < step);
+        let near = [after.checked_sub(1), Some(after)].into_iter().flatten().filter_map(|k| stresses.get(k));
+        let distance = near.map(|s| (stress / s - 1.0).abs()).fold(f64::INFINITY, f64::min);
+        assert!(distance < 0.05, "{control}: a breakage at {stress} kPa in step {step} is {distance:.3} from the rows beside it");
+    }
+    let text = std::fs::read_to_string(out.join("summary.json")).expect("summary");
+    let summary: serde_json::Value = serde_json::from_str(&text).expect("JSON");
+    let off = summary["breakages"]["off_stress_share"].as_f64().expect("a share");
+    assert!(summary["breakages"]["young_share"].as_f64().expect("a share") < 0.05);
+    assert!(control == "stress" || off == 0.0, "{off}");
+    assert!(summary["held_every_step"]["steps"].as_u64().expect("steps") > 1000);
+}
+
+#[test]
+fn breakages_under_a_stress_are_near_the_stress_of_a_row() {
+    every_breakage_is_near_the_stress_of_a_row("stress");
+}
+
+#[test]
+fn breakages_under_a_strain_are_near_the_stress_of_a_row() {
+    every_breakage_is_near_the_stress_of_a_row("strain");
 }
 
 /// What the snapshots of a run that is loaded and unloaded say, as a user asks for it: contacts bear the stress of their instant, grains the mean stress of the

@@ -7,6 +7,7 @@ use comminute::record::dictionary::SHEETS;
 use comminute::scene;
 use predicates::prelude::*;
 use predicates::str::contains;
+use rayon::prelude::*;
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
@@ -187,7 +188,7 @@ fn run(scene: &str, sets: &[&str], out: &Path) {
 fn what_new_writes_is_valid_and_runs_and_the_dictionary_has_every_column() {
     let folder = tempfile::tempdir().expect("a folder");
     let mut columns = Seen::default();
-    for (kind, sets) in TEMPLATES {
+    TEMPLATES.par_iter().for_each(|(kind, sets)| {
         let dir = folder.path().join(kind);
         let path = dir.display().to_string();
         comminute(&["new", kind, &path]).success().stderr(contains("scene.toml"));
@@ -195,8 +196,8 @@ fn what_new_writes_is_valid_and_runs_and_the_dictionary_has_every_column() {
         let scene = dir.join("scene.toml").display().to_string();
         comminute(&["check", &scene]).success();
         run(&scene, sets, &dir.join("run"));
-        columns.look(&dir.join("run"), kind_of(kind));
-    }
+    });
+    TEMPLATES.iter().for_each(|(kind, _)| columns.look(&folder.path().join(kind).join("run"), kind_of(kind)));
     // fines from crushing in the oedometer, which must have had some
     let (_, weak) = TEMPLATES[0];
     let points = folder.path().join("points");
@@ -231,13 +232,12 @@ fn what_new_writes_is_valid_and_runs_and_the_dictionary_has_every_column() {
             &["duration_s=0.002", "records.gate_mm=[0.1, 0.0, 0.0]", "records.gate_direction=[1.0, 0.0, 0.0]"],
         ),
     ];
-    for (k, (kind, scene, sets)) in more.into_iter().enumerate() {
-        let out = folder.path().join(k.to_string());
+    more.par_iter().enumerate().for_each(|(k, (_, scene, sets))| {
         let own = folder.path().join(scene);
         let scene = if own.exists() { own.display().to_string() } else { scene.to_string() };
-        run(&scene, sets, &out);
-        columns.look(&out, kind);
-    }
+        run(&scene, sets, &folder.path().join(k.to_string()));
+    });
+    more.iter().enumerate().for_each(|(k, (kind, ..))| columns.look(&folder.path().join(k.to_string()), kind));
     columns.complete();
     comminute(&["check", "--columns"]).success().stdout(contains("void_ratio_grains").and(contains("breakage.csv")));
 }

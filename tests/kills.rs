@@ -11,6 +11,7 @@ use assert_cmd::cargo::cargo_bin;
 use left::files;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::fs;
 use std::os::unix::process::CommandExt;
@@ -193,16 +194,16 @@ mod adapter;
 #[test]
 fn every_kind_of_run_survives_kills() {
     let folder = tempfile::tempdir().expect("folder");
-    let mut random = ChaCha8Rng::seed_from_u64(26);
-    for (k, kind) in kinds().into_iter().filter(|kind| kind.quick).enumerate() {
+    let quick: Vec<&Kind> = kinds().into_iter().filter(|kind| kind.quick).collect();
+    quick.par_iter().enumerate().for_each(|(k, kind)| {
         let base = folder.path().join(k.to_string());
         fs::create_dir_all(&base).expect("folder");
         let (reference, took) = whole(kind, &base);
         let out = base.join("killed");
-        let kills = killed(kind, &out, took.mul_f64(0.7), 2, &mut random);
+        let kills = killed(kind, &out, took.mul_f64(0.7), 2, &mut ChaCha8Rng::seed_from_u64(26 + k as u64));
         println!("{}: {kills} kills", kind.name);
         same(kind, &reference, &out);
-    }
+    });
 }
 
 /// Kinds of run with the numbers of runs, kills, and runs that ended with the same bytes.
