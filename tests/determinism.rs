@@ -95,7 +95,7 @@ fn skins_of_half_and_twice_the_size_give_the_same_bytes() {
 fn lists_made_anew_at_every_step_give_the_same_bytes() {
     let mut steps = 0_u32;
     let anew = |_: &mut State, work: &mut Workspace| {
-        work.rebuild_always = steps / 500 % 4 == 0;
+        work.rebuild_always = (steps / 500).is_multiple_of(4);
         steps += 1;
     };
     same(reference(), &on_threads(1, || run(scene(&[]), anew)));

@@ -1,5 +1,6 @@
 """Campaigns and calibrations: the files of the command, errors, stops."""
 
+import json
 import os
 import subprocess
 import sys
@@ -73,6 +74,28 @@ def test_wrong_words_are_refused(tmp_path):
         scene = ROOT / "experiments/calibration/coke_small.toml"
         curve = ROOT / "experiments/calibration/targets/target-05.csv"
         comminute.calibrate_curve(curve, scene, tmp_path / "out", budget=3)
+
+
+def test_a_curve_is_calibrated_as_by_the_command(command, tmp_path):
+    """The curve of a run as a frame; the same estimates as the command's from the file that is written of it."""
+    key = "material.strength.fixed_angle.sigma_lim0_MPa"
+    tiny = {**SMALL, "specimen.grains": 100, "specimen.porosity": 0.5, "preparation.growth_steps": 1000, "preparation.porosity_tolerance": 0.05}
+    tiny |= {"preparation.max_steps": 30000, "loading.max_stress_kPa": 60.0, "loading.settle_steps": 100, key: 50.0}
+    tiny |= {"loading.programme": "adaptive", "records.at_kPa": [], "records.figures": False, "records.snapshots": False}
+    scene = comminute.Scene.load(COKE, tiny)
+    history = scene.run(out=tmp_path / "lab").history
+    curve = history.loc[(history.stage == "load") & (history.sigma_v_kPa > 5), ["sigma_v_kPa", "void_ratio"]].iloc[::10]
+    few = {"budget": 12, "design": 6, "check": 2, "specimens": 2, "jobs": 2}
+    found = comminute.calibrate_curve(curve, scene, tmp_path / "fit", parameters={key: "25..100:log"}, **few)
+    told = found.result["parameters"][key]
+    assert 25.0 <= told["lower"] < told["estimate"] < told["upper"] <= 100.0
+    assert found.result["runs"]["failed"] == 0 and key in found.report
+
+    options = [word for name, value in few.items() for word in (f"--{name}", str(value))]
+    sets = [word for name, value in tiny.items() for word in ("--set", f"{name}={json.dumps(value)}")]
+    words = [command, "calibrate", "curve", tmp_path / "fit.csv", "--scene", COKE, *sets, "--parameter", f"{key}=25..100:log", *options]
+    subprocess.run([*words, "--quiet", "--out", tmp_path / "command"], check=True)
+    assert json.loads((tmp_path / "command/calibration.json").read_text())["parameters"] == found.result["parameters"]
 
 
 def test_a_campaign_is_stopped(tmp_path):
