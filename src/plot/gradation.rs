@@ -82,7 +82,7 @@ pub fn plot(input: &Input) -> Result<Option<Plot>> {
         if loading > chosen.len() {
             heading.push(format!("{} more in gsd.csv", loading - chosen.len()));
         }
-        if run.column("platen_work_J")?.is_some() {
+        if run.column("platen_work_J")?.is_some() && run.points != Some(0) {
             heading.push("grains only, points not counted".into());
         }
         if all.iter().any(|g| g.unloaded) {

@@ -207,6 +207,7 @@ mod tests {
             d50_mm: None,
             grains: None,
             events: None,
+            points: None,
             volume: None,
             least_void_ratio: 0.15,
             asked: Vec::new(),

@@ -34,6 +34,8 @@ pub struct Run {
     /// Number of grains at the start and at the end.
     pub grains: Option<(u64, u64)>,
     pub events: Option<u64>,
+    /// Number of material points at the end.
+    pub points: Option<u64>,
     /// Volume at the start of the test, m³.
     pub volume: Option<f64>,
     /// Void ratio of all dry mass below which the fines would not fit into the voids
@@ -79,6 +81,7 @@ impl Run {
             d50_mm: summary["d50_mm"].as_f64(),
             grains: summary["grains_initial"].as_u64().zip(summary["grains_final"].as_u64()),
             events: summary["crush_events"].as_u64(),
+            points: summary["points"].as_u64(),
             volume: volume(&summary),
             least_void_ratio: summary["least_void_ratio"].as_f64().unwrap_or(LEAST_VOID_RATIO),
             asked: asked(&resolved),

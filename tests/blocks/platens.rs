@@ -220,6 +220,11 @@ fn an_oedometer_of_breaking_rocks_resumes_to_the_byte() {
     let stops = [0.1, 0.8].map(|share| (number(&s, "steps") * share) as u64);
     let files = ["history.csv", "blocks.csv", "gsd.csv", "block_breakage.csv"];
     resumes(&whole, &scene(folder.path(), OEDOMETER), &stops, &files);
+
+    let drawn = folder.path().join("drawn");
+    comminute("plot").arg(&whole).args(["--show", "gradation", "--out"]).arg(&drawn).assert().success();
+    let figure = std::fs::read_to_string(drawn.join("gradation.svg")).expect("a figure");
+    assert!(figure.contains("grain size") && !figure.contains("not counted"), "there are no points");
 }
 
 #[test]
