@@ -83,8 +83,8 @@ pub fn frames(dir: &Path, most: usize, plane: bool) -> Result<Frames> {
                 facts = noted(&snapshot);
             }
             if !snapshot.position.is_empty() {
-                let number = numbers(&snapshot);
-                let this = layer(&snapshot, (walls, plane), number.as_deref(), &mut spans, &mut blobs);
+                let (number, radii) = (numbers(&snapshot), radii(&snapshot, plane));
+                let this = layer(&snapshot, walls, number.as_deref(), radii.as_deref(), &mut spans, &mut blobs);
                 let grains = number.filter(|_| this["kind"] == "grains");
                 layers.push(this);
                 if let Some(numbers) = grains {
@@ -92,9 +92,8 @@ pub fn frames(dir: &Path, most: usize, plane: bool) -> Result<Frames> {
                 }
                 // walls may reach far beyond what they hold
                 if !walls || bounds[0][0] > bounds[1][0] {
-                    let radii = radii(&snapshot, plane).unwrap_or_default();
                     for (i, place) in snapshot.position.iter().enumerate() {
-                        let radius = radii.get(i).copied().unwrap_or(0.0);
+                        let radius = radii.as_ref().map_or(0.0, |radii| radii[i]);
                         for (a, x) in place.iter().enumerate() {
                             bounds[0][a] = bounds[0][a].min(x - radius);
                             bounds[1][a] = bounds[1][a].max(x + radius);
@@ -143,11 +142,12 @@ fn radii(snapshot: &Snapshot, plane: bool) -> Option<Vec<f64>> {
     known.or_else(|| Some(snapshot.array("volume_m3")?.values.iter().map(|v| 0.5 * edge(v.max(0.0))).collect()))
 }
 
-/// Packs a snapshot, whose grains, points or triangles have these numbers, into one blob and says where in it, counted in numbers, each array begins.
+/// Packs a snapshot, whose grains, points or triangles have these numbers and radii, into one blob and says where in it, counted in numbers, each array begins.
 fn layer(
     snapshot: &Snapshot,
-    (walls, plane): (bool, bool),
+    walls: bool,
     number: Option<&[u32]>,
+    radii: Option<&[f64]>,
     spans: &mut Vec<Span>,
     blobs: &mut Vec<String>,
 ) -> Value {
@@ -168,8 +168,8 @@ fn layer(
         places.insert("number".into(), json!(blob.whole(number.iter().copied())));
     }
     if !surface {
-        let radius = match radii(snapshot, plane) {
-            Some(radii) => blob.real(radii.into_iter()),
+        let radius = match radii {
+            Some(radii) => blob.real(radii.iter().copied()),
             None => blob.real(std::iter::repeat_n(f64::NAN, count)),
         };
         places.insert("radius".into(), json!(radius));
@@ -235,7 +235,8 @@ mod tests {
             ..Snapshot::default()
         };
         let (mut spans, mut blobs) = (Vec::new(), Vec::new());
-        let layer = layer(&snapshot, (false, false), numbers(&snapshot).as_deref(), &mut spans, &mut blobs);
+        let layer =
+            layer(&snapshot, false, numbers(&snapshot).as_deref(), radii(&snapshot, false).as_deref(), &mut spans, &mut blobs);
         let words = super::super::blob::tests::words(&blobs[0]);
         let numbers: Vec<f32> = words.iter().map(|x| f32::from_bits(*x)).collect();
         let at = |place: &Value| place.as_u64().expect("place") as usize;

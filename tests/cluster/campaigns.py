@@ -3,6 +3,7 @@
 import csv
 import json
 import os
+import subprocess
 import time
 from pathlib import Path
 
@@ -35,6 +36,13 @@ def files(folder: Path) -> dict[str, object]:
 
 def ensemble(command: str, scene: Path, *words: str, out: str = "slurm") -> list[str]:
     return [command, "ensemble", str(scene), "--seeds", f"1..{SEEDS}", "--out", str(scene.parent / out), *words]
+
+
+def call(environment: dict[str, str], words: list[str], code: int) -> str:
+    """What a command says that must end with this exit code."""
+    ended = subprocess.run(words, env=environment, capture_output=True, text=True, check=False)
+    assert ended.returncode == code, ended.stderr
+    return ended.stderr
 
 
 def wait_for(what, seconds: float = 60) -> None:

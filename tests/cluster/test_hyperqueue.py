@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from campaigns import SEEDS, begun, ensemble, files, wait_for
+from campaigns import SEEDS, begun, call, ensemble, files, wait_for
 
 STAND_IN = Path(__file__).parent / "stand_in"
 
@@ -17,12 +17,6 @@ STAND_IN = Path(__file__).parent / "stand_in"
 def server(tmp_path):
     (tmp_path / "server").mkdir()
     return {**os.environ, "PATH": f"{STAND_IN}:{os.environ['PATH']}", "HQ_STAND_IN": str(tmp_path / "server")}
-
-
-def call(environment, words, code):
-    ended = subprocess.run(words, env=environment, capture_output=True, text=True, check=False)
-    assert ended.returncode == code, ended.stderr
-    return ended.stderr
 
 
 def test_an_ensemble_survives_a_killed_call(command, scene, server):

@@ -6,16 +6,10 @@ import signal
 import subprocess
 import time
 
-from campaigns import SEEDS, begun, ensemble, files, wait_for
+from campaigns import SEEDS, begun, call, ensemble, files, wait_for
 
 # whether the test tells Slurm that the node is down, instead of letting Slurm find it out
 AT_ONCE = SEEDS < 16
-
-
-def call(cluster, words: list[str], code: int) -> str:
-    ended = subprocess.run(words, env=cluster.environment, capture_output=True, text=True, check=False)
-    assert ended.returncode == code, ended.stderr
-    return ended.stderr
 
 
 def test_an_ensemble_survives_a_killed_node_and_a_killed_call(command, scene, cluster):
@@ -65,7 +59,7 @@ def test_what_goes_wrong_is_told_and_a_second_call_goes_on(command, scene, clust
     by_slurm = ensemble(command, scene, "--executor", "slurm")
     bare = subprocess.run(by_slurm, env={**os.environ, "PATH": "/nowhere"}, capture_output=True, text=True, check=False)
     assert bare.returncode == 2 and "error: sbatch: is not on the PATH" in bare.stderr
-    refused = call(cluster, [*by_slurm, "--executor-options=--partition=night"], 2)
+    refused = call(cluster.environment, [*by_slurm, "--executor-options=--partition=night"], 2)
     assert "sbatch: refuses the runs: invalid partition specified: night" in refused
     assert not list(runs.glob("slurm/[0-9]*")), "nothing was submitted"
 
@@ -101,7 +95,7 @@ def test_what_goes_wrong_is_told_and_a_second_call_goes_on(command, scene, clust
     job = cluster.call("squeue", "-h", "-o", "%F").strip()
     assert stopped.returncode == 130 and f"scancel {job}" in text, text
     cluster.call("scontrol", "release", job)
-    text = call(cluster, by_slurm, 0)
+    text = call(cluster.environment, by_slurm, 0)
     assert f"{SEEDS} of {SEEDS} runs done" in text
     assert all(path.stat().st_mtime_ns == when for path, when in done.items()), "what was done is not done again"
 
@@ -111,7 +105,7 @@ def test_a_run_that_fails_by_itself_is_told_as_without_slurm(command, scene, clu
     told = {}
     for executor in ("local", "slurm"):
         out = scene.parent / executor
-        text = call(cluster, [command, *words, "--out", str(out), "--executor", executor], 1)
+        text = call(cluster.environment, [command, *words, "--out", str(out), "--executor", executor], 1)
         assert "1 of 2 runs failed" in text and "step 30001: preparation" in text, text
         told[executor] = text.replace(executor, "")
         assert (out / "porosity-0.2.log").is_file() and not (out / "porosity-0.48.log").exists()

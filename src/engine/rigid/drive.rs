@@ -250,7 +250,7 @@ impl Blocks {
     /// from now on. A body that is not driven goes its way.
     pub fn drive_at(&mut self, block: usize, velocity: [f64; 3], spin: [f64; 3]) {
         let Blocks { blocks, drives, .. } = self;
-        let bodies = vec![Drive::default(); blocks.len()];
+        let count = blocks.len();
         let body = &mut blocks[block];
         if !body.driven {
             return;
@@ -258,7 +258,7 @@ impl Blocks {
         let before = body.kinetic();
         body.velocity = velocity;
         body.set_spin(spin);
-        let drives = drives.get_or_insert_with(|| Box::new(Drives { bodies, ..Drives::default() }));
+        let drives = drives.get_or_insert_with(|| Box::new(Drives { bodies: vec![Drive::default(); count], ..Drives::default() }));
         if let Some(drive) = drives.bodies.get_mut(block) {
             drive.programme.path = None;
             drive.of_hold += body.kinetic() - before;

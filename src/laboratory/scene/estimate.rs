@@ -339,7 +339,7 @@ pub(super) fn rearrangement(model: &Model, specimen: &model::Specimen, p: f64) -
 /// Warns of an inertial number beyond that of quasi-static loading (Li et al. 2023, eq. 42).
 pub(super) fn inertial_warning(key: &str, value: f64, warnings: &mut Vec<String>) {
     if value > 1e-3 {
-        let rounded = (1e4 * value).round() / 1e4;
+        let rounded = (1e6 * value).round() / 1e6;
         warnings.push(format!("{key} = {rounded}: quasi-static loading keeps below 0.001"));
     }
 }

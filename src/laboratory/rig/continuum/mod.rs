@@ -20,7 +20,7 @@ pub use grains::Coupled;
 pub(crate) use grains::platens;
 pub(crate) use growth::{Growing, Grown, growing};
 pub(crate) use measure::{GrainMeasures, Moment};
-pub(crate) use sides::Side;
+pub(crate) use sides::{Side, shape_of};
 
 use crate::error::{Error, Result};
 use crate::model::Model;

@@ -41,7 +41,7 @@ pub struct SideNow {
 }
 
 /// The wall of which a loading plate is the surface.
-fn shape_of(plate: &LoadingPlate) -> WallShape {
+pub fn shape_of(plate: &LoadingPlate) -> WallShape {
     match plate.radius {
         Some(radius) => WallShape::Cylinder { centre: [plate.point[0], plate.point[1]], radius },
         None => WallShape::Plane { point: plate.point, normal: plate.normal },

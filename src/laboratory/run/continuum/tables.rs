@@ -11,9 +11,8 @@ use crate::record::crushed::Crushed;
 use crate::record::vtk::{self, Fact};
 use crate::record::walls::Loaded;
 use crate::record::{account, blocks, contacts, joints, wall_rows};
-use crate::rig::continuum::State;
-use engine::boundary::WallShape;
-use engine::mpm::{Dimension, LoadingPlate};
+use crate::rig::continuum::{State, shape_of};
+use engine::mpm::Dimension;
 use std::path::Path;
 use table::{Row, Table};
 
@@ -131,13 +130,8 @@ fn walls(state: &State) -> Vec<Loaded> {
     if state.continuum.settings().dimension == Dimension::PlaneStrain {
         return Vec::new();
     }
-    let plate = |p: &LoadingPlate| {
-        let plane = WallShape::Plane { point: p.point, normal: p.normal };
-        let shell = |radius| WallShape::Cylinder { centre: [p.point[0], p.point[1]], radius };
-        (p.radius.map_or(plane, shell), p.force())
-    };
     match &state.mixture {
         Some(mixture) if state.plates.is_empty() => mixture.grains.walls.iter().map(|w| (w.shape, w.reaction)).collect(),
-        _ => state.plates.iter().map(plate).collect(),
+        _ => state.plates.iter().map(|plate| (shape_of(plate), plate.force())).collect(),
     }
 }
