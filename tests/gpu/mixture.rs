@@ -118,7 +118,7 @@ fn a_mixture_resumes_to_the_byte() {
         return;
     }
     let folder = tempfile::tempdir().expect("folder");
-    let sets = [&PLAIN[..], &["test.axial_strain=0.0004", "records.rows=10"]].concat();
+    let sets = [&PLAIN[..], &["test.axial_strain=0.0002", "records.rows=10"]].concat();
     let [whole, parts] = ["whole", "parts"].map(|name| folder.path().join(name));
     // on one thread of a software adapter, and on as many as it has
     run(TWIN, &whole, &sets, &["--backend", "gpu"]).env("LP_NUM_THREADS", "1").assert().success();
@@ -183,7 +183,7 @@ fn a_block_slides_on_a_wall_as_on_the_cpu() {
 /// A pile of 1728 grains between walls, all of which touch their neighbours, on which fines have fallen.
 fn pile() -> String {
     let head = format!(
-        "kind = \"mixture\"\ndescription = \"fines on a pile\"\nsteps = 20\ngravity_m_s2 = [0.0, 0.0, -9.81]\nrecords.rows = 100\n\
+        "kind = \"mixture\"\ndescription = \"fines on a pile\"\nsteps = 10\ngravity_m_s2 = [0.0, 0.0, -9.81]\nrecords.rows = 100\n\
          [materials]\nfines = \"{ROOT}/materials/li2023_fines.toml\"\ncoarse = \"{ROOT}/materials/li2023_coarse.toml\"\n\
          [[body]]\nshape = \"box\"\nmaterial = \"fines\"\nmin_mm = [0.0, 0.0, 60.0]\nmax_mm = [60.0, 60.0, 65.0]\nporosity = 0.365\n\
          velocity_m_s = [0.0, 0.0, -2.0]\n[grid]\ncell_mm = 5.0\nmin_mm = [-10.0, -10.0, -10.0]\nmax_mm = [70.0, 70.0, 90.0]\n"
@@ -311,10 +311,10 @@ fn grains_break_on_the_way() {
         return;
     }
     let folder = tempfile::tempdir().expect("folder");
-    let sets = [&PLAIN[..], &["test.axial_strain=0.0097", "records.rows=1000"]].concat();
+    let sets = [&PLAIN[..], &["test.axial_strain=0.0094", "records.rows=1000"]].concat();
     let [cpu, gpu, parts] = ["cpu", "gpu", "parts"].map(|name| folder.path().join(name));
     // shortly before the first breakage
-    run(CHAINS, &cpu, &sets, &["--stop-after", "600"]).assert().code(130);
+    run(CHAINS, &cpu, &sets, &["--stop-after", "630"]).assert().code(130);
     [&gpu, &parts].into_iter().for_each(|out| copy(&cpu, out));
     resume(&cpu, &[]).success();
     resume(&gpu, &["--backend", "gpu"]).success();
@@ -400,17 +400,17 @@ fn grains_in_a_shell_are_those_of_the_cpu() {
     }
     let folder = tempfile::tempdir().expect("folder");
     let scene = "../tests/gpu/cylinder";
-    let sets = ["test.axial_strain=0.001", "records.rows=5000", "damping.local=0.0", "stepping.dt_s=4e-6"];
+    let sets = ["test.axial_strain=0.0006", "records.rows=5000", "damping.local=0.0", "stepping.dt_s=4e-6"];
     let outs = both(folder.path(), scene, &sets, "300");
     let [axial, lateral, contacts, kinetic] =
         ["sigma_v_kPa", "sigma_h_kPa", "sigma_zz_of_contacts_kPa", "coarse_kinetic_J"].map(|c| apart(&outs, "time_s", c));
     println!("mixture in a shell: σv {axial:e}, σh {lateral:e}, contacts {contacts:e}, kinetic energy of grains {kinetic:e}");
     let [[on_shell], [axial_strain]] = [["platen_contacts"], ["axial_strain"]].map(|c| *columns(&outs[1], c).last().expect("rows"));
-    assert!(on_shell >= 2.0 && axial_strain > 0.0009, "{on_shell} {axial_strain}");
+    assert!(on_shell >= 2.0 && axial_strain > 0.00055, "{on_shell} {axial_strain}");
     assert!(axial < 6e-5 && lateral < 9e-5 && contacts < 5e-6 && kinetic < 1e-6);
 
     let [whole, parts] = ["whole", "parts"].map(|name| folder.path().join(name));
-    let sets = [&PLAIN[..], &["test.axial_strain=0.0005"]].concat();
+    let sets = [&PLAIN[..], &["test.axial_strain=0.0003"]].concat();
     run(scene, &whole, &sets, &["--backend", "gpu"]).assert().success();
     run(scene, &parts, &sets, &["--backend", "gpu", "--stop-after", "151"]).assert().code(130);
     resume(&parts, &[]).success();

@@ -1,6 +1,8 @@
 //! What a user with a sand of their own types: strengths as laboratories give them, templates, the dictionary of columns, specimens for
 //! many runs, and a run that failed before it began.
 
+mod scenes;
+
 use assert_cmd::Command;
 use assert_cmd::assert::Assert;
 use comminute::record::dictionary::SHEETS;

@@ -1,12 +1,8 @@
 //! `comminute calibrate curve` as a user types it: a small scene, a curve that it made itself, runs that fail, kills in the middle.
 
-#[path = "common/called.rs"]
-mod called;
+use crate::called::{call, command, said};
 #[cfg(target_os = "linux")]
-#[path = "common/processes.rs"]
-mod processes;
-
-use called::{call, command, said};
+use crate::processes;
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::fs;

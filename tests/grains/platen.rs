@@ -1,12 +1,10 @@
 //! Single grains between platens: what the engine gives back of what it was given.
 
-mod common;
-
+use crate::common::{ROOT, close, near};
 use assert_cmd::Command;
 use comminute::model::{GrainCrushing, Model, Rig};
 use comminute::rig::grain_crushing::{Test, press};
 use comminute::scene;
-use common::{ROOT, close, near};
 use predicates::prelude::*;
 use predicates::str::contains;
 use rayon::prelude::*;

@@ -1,10 +1,6 @@
 //! A study from the command line: its runs, once, and the report with errors, times and effects.
 
-#[path = "common/called.rs"]
-mod called;
-#[path = "common/scenes_small.rs"]
-mod scenes_small;
-
+use crate::{called, scenes_small};
 use std::fs;
 use std::path::Path;
 use std::process::Output;

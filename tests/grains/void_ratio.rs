@@ -1,9 +1,7 @@
 //! One void ratio, the laboratory's: the mass that breakage takes out of the grains stays solid. As a user runs it.
 
-mod common;
-
+use crate::common::*;
 use assert_cmd::Command;
-use common::*;
 use std::fs;
 use std::path::Path;
 

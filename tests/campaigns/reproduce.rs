@@ -1,16 +1,8 @@
 //! A plan from the command line: its runs, once, and the report with what was published beside.
 
-#[path = "common/called.rs"]
-mod called;
-#[path = "common/left.rs"]
-mod left;
+use crate::called::{said, text};
 #[cfg(target_os = "linux")]
-#[path = "common/processes.rs"]
-mod processes;
-#[path = "common/scenes_small.rs"]
-mod scenes_small;
-
-use called::{said, text};
+use crate::{called, left, processes, scenes_small};
 use std::fs;
 use std::process::{Command, Output, Stdio};
 use tempfile::TempDir;

@@ -1,7 +1,6 @@
 //! Preparation of specimens that are hard to make.
 
-mod common;
-
+use crate::common::*;
 use assert_cmd::Command;
 use assert_cmd::assert::Assert;
 use comminute::dem::Workspace;
@@ -9,7 +8,6 @@ use comminute::model::Model;
 use comminute::record::specimen;
 use comminute::rig::cylinder::space;
 use comminute::rig::preparation::{Preparation, porosity};
-use common::*;
 use predicates::prelude::*;
 use predicates::str::contains;
 

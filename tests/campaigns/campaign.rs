@@ -1,14 +1,8 @@
 //! Ensembles and sweeps from the command line: each run a process in its own folder, and nothing done twice.
 
-#[path = "common/called.rs"]
-mod called;
-#[path = "common/left.rs"]
-mod left;
+use crate::called::{call, command, said, text};
 #[cfg(target_os = "linux")]
-#[path = "common/processes.rs"]
-mod processes;
-
-use called::{call, command, said, text};
+use crate::{left, processes};
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
@@ -345,7 +339,7 @@ fn a_command_of_the_users_makes_the_runs() {
 }
 
 /// Three sweeps that are started at the same moment into one folder share its runs, and leave what a single one does. (Whether figures do is
-/// asked with a plan, in tests/reproduce.rs.)
+/// asked with a plan, in tests/campaigns/reproduce.rs.)
 #[cfg(unix)]
 #[test]
 fn campaigns_in_one_folder_share_its_runs() {

@@ -1,9 +1,9 @@
 //! Breakage in the engine itself: when a grain breaks, into what, and what that leaves alone.
 
-mod common;
-
 use assert_cmd::cargo::cargo_bin;
 
+use crate::common::typed::array;
+use crate::common::*;
 use comminute::boundary::Drive;
 use comminute::breakage::Criterion;
 use comminute::breakage::criterion::HertzArea;
@@ -13,8 +13,6 @@ use comminute::dem::State;
 use comminute::dem::event::Breakage;
 use comminute::math::random::{lineage_child, lineage_root};
 use comminute::scene;
-use common::typed::array;
-use common::*;
 use std::f64::consts::PI;
 
 const COKE: Stuff = Stuff { young: 0.858e9, poisson: 0.3, density: 1040.0, friction: 0.4, restitution: 1.0 };

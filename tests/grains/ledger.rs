@@ -1,9 +1,7 @@
 //! The energy ledger: every run closes, and none closes when any one term is left out.
 
-mod common;
-
+use crate::common::*;
 use comminute::dem::ledger::Balance;
-use common::*;
 
 const STUFF: Stuff = Stuff { young: 1e8, poisson: 0.25, density: 2000.0, friction: 0.4, restitution: 1.0 };
 const CRUSHING: &str = "crushing.enabled = true\nmaterial.strength.fixed_angle.theta0_rad = 0.35\n\
