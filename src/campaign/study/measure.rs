@@ -24,7 +24,7 @@ pub enum Measure {
     VoidRatio,
     /// Largest principal stress ratio, over that of the reference.
     PeakStrength,
-    /// Principal stress ratio at the end, over that of the reference.
+    /// Principal stress ratio at the end (of grains, whose forces rise and fall, the mean of q/p over the last half of the strain), over that of the reference.
     ResidualStrength,
     /// Error of the energy ledger, over the work of the walls.
     EnergyError,
@@ -168,7 +168,9 @@ impl Measure {
             Measure::K0 => each(runs, number("/k0_final")),
             Measure::VoidRatio => each(runs, number("/void_ratio_final")),
             Measure::PeakStrength => each(runs, number("/peak_stress_ratio")),
-            Measure::ResidualStrength => each(runs, number("/residual_stress_ratio")),
+            Measure::ResidualStrength => {
+                each(runs, |run| run.number("/residual_stress_ratio").or_else(|| late(&run.test)).map(|x| vec![x]))
+            }
             Measure::EnergyError => each(runs, number("/energy_error")),
         };
         let relative =
@@ -184,6 +186,13 @@ impl Measure {
         }
         found
     }
+}
+
+/// Mean ordinate of a curve over the last half of its abscissae; `None` for an empty curve.
+fn late(curve: &[(f64, f64)]) -> Option<f64> {
+    let from = 0.5 * curve.last()?.0;
+    let kept: Vec<f64> = curve.iter().filter(|p| p.0 > from).map(|p| p.1).collect();
+    Some(kept.iter().sum::<f64>() / kept.len() as f64)
 }
 
 /// What `of` finds in each run.
@@ -223,6 +232,18 @@ mod tests {
         let run = RunData::read(dir.path(), Value::Null).expect("read");
         assert_eq!((run.test, run.gradation), (vec![(0.01, 0.8), (0.02, 1.1)], vec![(1.0, 0.2), (2.0, 1.0)]));
         assert!(run.compression.is_empty());
+    }
+
+    /// Of grains the residual strength is the mean of the last half of the curve; a summary that has one goes before.
+    #[test]
+    fn grains_have_a_residual_strength() {
+        let run = |summary| {
+            let test = vec![(0.02, 9.0), (0.04, 7.0), (0.06, 1.0), (0.08, 3.0)];
+            Some(RunData { test, summary, ..RunData::default() })
+        };
+        let known = serde_json::json!({ "residual_stress_ratio": 3.0 });
+        let found = Measure::ResidualStrength.of(&[vec![run(Value::Null)], vec![run(known), Some(RunData::default())]]);
+        assert_eq!(found, [vec![Some(vec![1.0])], vec![Some(vec![1.5]), None]]);
     }
 
     #[test]

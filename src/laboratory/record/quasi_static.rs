@@ -1,7 +1,7 @@
 //! How well a test has held its stress and remained quasi-static, over every step and not only at records.
 
 use crate::rig::cylinder::Stresses;
-use crate::scene::Level;
+use crate::scene::{Level, Platens};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
@@ -15,6 +15,8 @@ pub struct Held {
     distance: f64,
     /// Difference of the platens' stresses, over their mean.
     platens: f64,
+    /// The sum of these over the steps that count.
+    platens_sum: f64,
     /// Inertial number.
     inertial: f64,
     /// Number of steps that count.
@@ -62,7 +64,9 @@ impl Held {
         }
         self.steps += 1;
         self.distance = self.distance.max(now.distance());
-        self.platens = self.platens.max(stresses.platen_difference());
+        let platens = stresses.platen_difference();
+        self.platens = self.platens.max(platens);
+        self.platens_sum += platens;
         self.inertial = self.inertial.max(now.inertial_number);
         self.waiting = if now.waits { self.waiting + 1 } else { 0 };
         self.waited += u64::from(now.waits);
@@ -71,19 +75,26 @@ impl Held {
         }
     }
 
-    /// Whether the platens' stresses have differed by no more than the level allows, in any step.
+    /// Mean difference of the platens' stresses, over their mean; 0 where no step counts.
+    fn mean_platens(&self) -> f64 {
+        self.platens_sum / self.steps.max(1) as f64
+    }
+
+    /// Whether the platens' stresses have differed by no more than the level allows.
     pub fn keeps(&self, level: &Level) -> bool {
-        self.platens <= level.promise.platen_difference
+        match level.promise.platens {
+            Platens::Largest(most) => self.platens <= most,
+            Platens::Mean(most) => self.mean_platens() <= most,
+        }
     }
 
     /// The entry `accuracy` of `summary.json`: what the level promises, and whether the platens have been as close to balance as that asks for.
     pub fn against(&self, level: &Level) -> Value {
-        json!({
-            "level": level.word,
-            "promise": level.promise,
-            "largest_platen_difference": self.platens,
-            "kept": self.keeps(level),
-        })
+        let (name, found) = match level.promise.platens {
+            Platens::Largest(_) => ("largest_platen_difference", self.platens),
+            Platens::Mean(_) => ("mean_platen_difference", self.mean_platens()),
+        };
+        json!({ "level": level.word, "promise": level.promise, name: found, "kept": self.keeps(level) })
     }
 
     /// The entry `held_every_step` of `summary.json`.

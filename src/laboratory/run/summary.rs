@@ -89,8 +89,10 @@ fn summary(model: &Model, progress: &Progress, work: &Workspace) -> Value {
             put("d50_mm", json!(initial.diameter_at(0.5).map(|d| d * 1e3)));
         }
     }
-    if let (Activity::Testing(_), Some(_)) = (&progress.activity, model.rig.compression()) {
-        put("held_every_step", recorder.held.summary());
+    if let Activity::Testing(_) = &progress.activity {
+        if model.rig.compression().is_some() {
+            put("held_every_step", recorder.held.summary());
+        }
         if let Some(level) = model.accuracy {
             put("accuracy", recorder.held.against(level));
         }
@@ -135,8 +137,9 @@ fn warnings(recorder: &Recorder, growth: f64, accuracy: Option<&Level>) -> Vec<S
     let mut warnings = recorder.broken.warnings();
     if let Some(level) = accuracy.filter(|level| !recorder.held.keeps(level)) {
         warnings.push(format!(
-            "the stresses on the platens differed by more than the {} of their mean that accuracy = \"{}\" allows: load more slowly, or ask for more accuracy",
-            level.promise.platen_difference, level.word
+            "the stresses on the platens differed by more than {} that accuracy = \"{}\" allows: load more slowly, or ask for more accuracy",
+            level.promise.platens.in_words(),
+            level.word
         ));
     }
     if recorder.deepest > DEEP {

@@ -5,7 +5,7 @@ use super::layers::{Layer, Origin};
 use super::provenance::{Assumption, sourced};
 use toml::{Table, Value};
 
-/// What a level sets, and by how much its results may differ from those of `reference`.
+/// What a level sets in a test, and by how much its results may differ from those of `reference`.
 #[derive(Debug)]
 pub struct Level {
     /// Word of the key `accuracy`.
@@ -16,39 +16,98 @@ pub struct Level {
     pub promise: Promise,
 }
 
-/// Largest differences from a run with `accuracy = "reference"`, as means over ten seeds with their intervals of 95 % (`experiments/studies/accuracy.toml`), and the largest difference of the platens'
-/// stresses at which a run still counts as quasi-static.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+/// Largest differences from a run with `accuracy = "reference"`, as means over seeds with their intervals of 95 %, and how close to balance a run that counts as quasi-static
+/// keeps its platens.
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Promise {
-    /// Of the porosity along the logarithm of the stress, root mean square.
-    pub porosity: f64,
-    /// Of the number of breakages, over it.
-    pub crush_events: f64,
-    /// Of k0 at the end.
-    pub k0: f64,
-    /// Of the stresses on the platens from each other, over their mean, in any step above 50 kPa.
-    pub platen_difference: f64,
+    /// Of each quantity that the study of the test has measured; none for `reference` itself.
+    pub differences: &'static [Difference],
+    /// The study's test.
+    of: &'static str,
+    /// How close to balance the platens stay.
+    pub platens: Platens,
+}
+
+/// The most by which the stresses on the platens may differ, over their mean, in steps above 50 kPa.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Platens {
+    /// In any step.
+    Largest(f64),
+    /// On the average of all steps: where a platen moves on whatever breaks, single steps tell of single grains.
+    Mean(f64),
+}
+
+impl Platens {
+    /// The difference, and its name in `summary.json`.
+    fn named(self) -> (&'static str, f64) {
+        match self {
+            Platens::Largest(most) => ("platen_difference", most),
+            Platens::Mean(most) => ("mean_platen_difference", most),
+        }
+    }
+
+    /// What is allowed, in words.
+    pub fn in_words(self) -> String {
+        match self {
+            Platens::Largest(most) => format!("the {most} of their mean"),
+            Platens::Mean(most) => format!("the {most} of their mean, on the average of all steps,"),
+        }
+    }
+}
+
+/// The largest difference of a quantity from that of `reference`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Difference {
+    /// Its name in `summary.json`.
+    pub name: &'static str,
+    /// The difference: over the value of `reference` where it is a share.
+    pub most: f64,
+    /// Words for it, after the number.
+    words: &'static str,
+    share: bool,
+}
+
+const fn of(name: &'static str, most: f64, words: &'static str) -> Difference {
+    Difference { name, most, words, share: false }
+}
+
+const fn share(name: &'static str, most: f64, words: &'static str) -> Difference {
+    Difference { name, most, words, share: true }
 }
 
 impl Promise {
     /// What is promised, in a sentence.
     pub fn in_words(&self) -> String {
-        if self.crush_events == 0.0 {
-            return "what the other levels are measured against".into();
+        let each = |d: &Difference| {
+            if d.share { format!("{:.0} % of {}", 100.0 * d.most, d.words) } else { format!("{} of {}", d.most, d.words) }
+        };
+        let all: Vec<String> = self.differences.iter().map(each).collect();
+        match &all[..] {
+            [] => "what the other levels are measured against".into(),
+            [first @ .., last] => {
+                format!("within {} and {last} of a run with accuracy = \"reference\" ({})", first.join(", "), self.of)
+            }
         }
-        format!(
-            "within {} of the porosity, {:.0} % of the breakages and {} of k0 of a run with accuracy = \"reference\" (coke to 1 MPa, mean of ten seeds)",
-            self.porosity,
-            100.0 * self.crush_events,
-            self.k0
-        )
+    }
+}
+
+impl serde::Serialize for Promise {
+    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let differences = self.differences.iter().map(|d| (d.name, d.most));
+        serializer.collect_map(differences.chain([self.platens.named()]))
     }
 }
 
 /// Words of the key, from the coarsest.
 pub const WORDS: [&str; 3] = ["draft", "standard", "reference"];
 
-const LEVELS: [Level; 3] = [
+/// Levels of the tests that have them, by the kind of the scene.
+const LEVELS: [(&str, [Level; 3]); 3] = [("oedometer", OEDOMETER), ("isotropic", ISOTROPIC), ("triaxial", TRIAXIAL)];
+
+const OF_OEDOMETER: &str = "coke to 1 MPa, mean of ten seeds";
+
+/// By `experiments/studies/accuracy.toml`.
+const OEDOMETER: [Level; 3] = [
     Level {
         word: "draft",
         keys: &[
@@ -60,7 +119,15 @@ const LEVELS: [Level; 3] = [
             ("loading", "max_lag", "0.05", "platens within 5 % of the target"),
             ("crushing", "interval", "10", "grains are judged every tenth step"),
         ],
-        promise: Promise { porosity: 0.01, crush_events: 0.25, k0: 0.08, platen_difference: 0.15 },
+        promise: Promise {
+            differences: &[
+                of("porosity", 0.01, "the porosity"),
+                share("crush_events", 0.25, "the breakages"),
+                of("k0", 0.08, "k0"),
+            ],
+            of: OF_OEDOMETER,
+            platens: Platens::Largest(0.15),
+        },
     },
     Level {
         word: "standard",
@@ -73,7 +140,15 @@ const LEVELS: [Level; 3] = [
             ("loading", "max_lag", "0.015", "platens within 1.5 % of the target"),
             ("crushing", "interval", "1", "grains are judged in every step"),
         ],
-        promise: Promise { porosity: 0.005, crush_events: 0.2, k0: 0.04, platen_difference: 0.1 },
+        promise: Promise {
+            differences: &[
+                of("porosity", 0.005, "the porosity"),
+                share("crush_events", 0.2, "the breakages"),
+                of("k0", 0.04, "k0"),
+            ],
+            of: OF_OEDOMETER,
+            platens: Platens::Largest(0.1),
+        },
     },
     Level {
         word: "reference",
@@ -87,14 +162,113 @@ const LEVELS: [Level; 3] = [
             ("loading", "max_lag", "0.005", "platens within 0.5 % of the target"),
             ("crushing", "interval", "1", "grains are judged in every step"),
         ],
-        promise: Promise { porosity: 0.0, crush_events: 0.0, k0: 0.0, platen_difference: 0.06 },
+        promise: Promise { differences: &[], of: OF_OEDOMETER, platens: Platens::Largest(0.06) },
+    },
+];
+
+const OF_ISOTROPIC: &str = "coke to 1 MPa on all sides, mean of ten seeds";
+
+/// By `experiments/studies/accuracy_isotropic.toml`.
+const ISOTROPIC: [Level; 3] = [
+    Level {
+        word: "draft",
+        keys: &[
+            ("stepping", "safety", "0.8", "half the step gives the same curve"),
+            ("loading", "pace", "0.01", "five times the usual share of the stress in a step"),
+            ("loading", "max_inertial_number", "0.004", "five times the usual speed of the platen"),
+            ("loading", "max_lag", "0.05", "platens within 5 % of the target"),
+            ("crushing", "interval", "10", "grains are judged every tenth step"),
+        ],
+        promise: Promise {
+            differences: &[of("porosity", 0.006, "the porosity"), share("crush_events", 0.25, "the breakages")],
+            of: OF_ISOTROPIC,
+            platens: Platens::Mean(0.045),
+        },
+    },
+    Level {
+        word: "standard",
+        keys: &[
+            ("stepping", "safety", "0.8", "half the step gives the same curve"),
+            ("loading", "pace", "0.002", "the platens stay in balance"),
+            ("loading", "max_inertial_number", "0.0008", "as in the oedometer"),
+            ("loading", "max_lag", "0.015", "platens within 1.5 % of the target"),
+            ("crushing", "interval", "1", "grains are judged in every step"),
+        ],
+        promise: Promise {
+            differences: &[of("porosity", 0.006, "the porosity"), share("crush_events", 0.15, "the breakages")],
+            of: OF_ISOTROPIC,
+            platens: Platens::Mean(0.02),
+        },
+    },
+    Level {
+        word: "reference",
+        keys: &[
+            ("stepping", "safety", "0.4", "half the usual step"),
+            ("preparation", "max_steps", "800000", "with half the step the specimen takes more of them to come to rest"),
+            ("loading", "pace", "0.0005", "a quarter of the usual share of the stress in a step"),
+            ("loading", "max_inertial_number", "0.0004", "half the usual speed of the platen"),
+            ("loading", "max_lag", "0.005", "platens within 0.5 % of the target"),
+            ("crushing", "interval", "1", "grains are judged in every step"),
+        ],
+        promise: Promise { differences: &[], of: OF_ISOTROPIC, platens: Platens::Mean(0.01) },
+    },
+];
+
+const OF_TRIAXIAL: &str = "coke at 300 kPa to 10 % axial strain, mean of ten seeds";
+
+/// By `experiments/studies/accuracy_triaxial.toml`.
+const TRIAXIAL: [Level; 3] = [
+    Level {
+        word: "draft",
+        keys: &[
+            ("stepping", "safety", "0.8", "half the step gives the same curve"),
+            ("loading", "inertial_number", "0.001", "three times the usual speed of the platen"),
+            ("crushing", "interval", "10", "grains are judged every tenth step"),
+        ],
+        promise: Promise {
+            differences: &[
+                share("residual_strength", 0.1, "q/p in the last half of the test"),
+                share("crush_events", 0.15, "the breakages"),
+                of("void_ratio", 0.01, "the void ratio at the end"),
+            ],
+            of: OF_TRIAXIAL,
+            platens: Platens::Mean(0.06),
+        },
+    },
+    Level {
+        word: "standard",
+        keys: &[
+            ("stepping", "safety", "0.8", "half the step gives the same curve"),
+            ("loading", "inertial_number", "0.0003", "well below 0.001, where shearing is quasi-static"),
+            ("crushing", "interval", "1", "grains are judged in every step"),
+        ],
+        promise: Promise {
+            differences: &[
+                share("residual_strength", 0.1, "q/p in the last half of the test"),
+                share("crush_events", 0.1, "the breakages"),
+                of("void_ratio", 0.01, "the void ratio at the end"),
+            ],
+            of: OF_TRIAXIAL,
+            platens: Platens::Mean(0.025),
+        },
+    },
+    Level {
+        word: "reference",
+        keys: &[
+            ("stepping", "safety", "0.4", "half the usual step"),
+            ("preparation", "max_steps", "800000", "with half the step the specimen takes more of them to come to rest"),
+            ("loading", "inertial_number", "0.0001", "a third of the usual speed of the platen"),
+            ("crushing", "interval", "1", "grains are judged in every step"),
+        ],
+        promise: Promise { differences: &[], of: OF_TRIAXIAL, platens: Platens::Mean(0.01) },
     },
 ];
 
 impl Level {
-    /// The level of a word; `None` where it is none.
-    pub fn of(word: &str) -> Option<&'static Level> {
-        LEVELS.iter().find(|level| level.word == word)
+    /// The level of a word for a kind of scene; `None` where there is none.
+    pub fn of(kind: &str, word: &str) -> Option<&'static Level> {
+        let (_, levels) = LEVELS.iter().find(|(name, _)| *name == kind)?;
+        levels.iter().find(|level| level.word == word)
     }
 }
 
@@ -104,7 +278,8 @@ const SET: &str = "set by accuracy";
 /// Sets the keys of the scene's level that it does not have itself. A word that is no level is refused later, with what is allowed.
 pub fn fill(layer: &mut Layer) {
     let word = |key: &str| layer.table.get(key).and_then(Value::as_str);
-    let Some(level) = word("accuracy").filter(|_| word("kind") == Some("oedometer")).and_then(Level::of) else { return };
+    let (Some(kind), Some(wanted)) = (word("kind"), word("accuracy")) else { return };
+    let Some(level) = Level::of(kind, wanted) else { return };
     let breaks = layer.table.get("crushing").and_then(|c| c.get("enabled")).and_then(Value::as_bool) == Some(true);
     for (table, key, value, why) in level.keys {
         if *table == "crushing" && !breaks {
@@ -165,10 +340,35 @@ mod tests {
 
     #[test]
     fn levels_have_the_words_of_the_key_and_get_stricter() {
-        assert_eq!(LEVELS.each_ref().map(|level| level.word), WORDS);
-        for pair in LEVELS.windows(2) {
-            let [a, b] = [pair[0].promise, pair[1].promise];
-            assert!(a.porosity > b.porosity && a.crush_events > b.crush_events && a.platen_difference > b.platen_difference);
+        for (kind, levels) in &LEVELS {
+            assert_eq!(levels.each_ref().map(|level| level.word), WORDS, "{kind}");
+            for pair in levels.windows(2) {
+                let [a, b] = [pair[0].promise, pair[1].promise];
+                let (x, y) = (a.platens.named(), b.platens.named());
+                assert!(x.0 == y.0 && x.1 > y.1, "{kind}");
+                let stricter = |(a, b): (&Difference, &Difference)| a.name == b.name && a.most >= b.most;
+                assert!(a.differences.iter().zip(b.differences).all(stricter), "{kind}");
+            }
+            let names = |word| Level::of(kind, word).map(|level| level.promise.differences.len());
+            assert_eq!(names("draft"), names("standard"), "{kind}");
+            assert_eq!(names("reference"), Some(0), "{kind}");
+        }
+    }
+
+    /// Every test of a specimen of grains has levels, and what they set are keys of that test.
+    #[test]
+    fn every_test_of_a_specimen_has_levels() {
+        for (kind, loading) in
+            [("isotropic", "[loading]\nmax_stress_kPa = 500.0\n"), ("triaxial", "[loading]\naxial_strain = 0.1\n")]
+        {
+            for word in WORDS {
+                let text = SCENE.replace("oedometer", kind).replace("draft", word);
+                let text = text[..text.find("[loading]").expect("a table")].to_string() + loading;
+                let text = text.replace("[loading]", "isotropic_stress_kPa = 100.0\n[loading]");
+                let scene = from_text(&text, concat!(env!("CARGO_MANIFEST_DIR"), "/../.."), &[]).expect("a scene");
+                let unbroken = Level::of(kind, word).expect("a level").keys.iter().filter(|(table, ..)| *table != "crushing");
+                assert_eq!(set_by_accuracy(&scene).len(), unbroken.count(), "{kind} {word}");
+            }
         }
     }
 }

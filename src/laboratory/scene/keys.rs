@@ -246,7 +246,7 @@ const OWN: &[Key] = &[
     ),
     every("name", Name, Absent, "name in legends and records; the file's own name if not written"),
     every("description", Text, Is("\"\""), "one line about the scene"),
-    oedometer(
+    cylinder(
         "accuracy",
         Choice(&WORDS),
         Absent,

@@ -215,7 +215,7 @@ impl<'a> View<'a> {
             scale: self.scale(),
             rig,
             records: self.records()?,
-            accuracy: Level::of(self.text("accuracy")),
+            accuracy: Level::of(self.text("kind"), self.text("accuracy")),
         })
     }
 

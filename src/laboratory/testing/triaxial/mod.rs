@@ -8,6 +8,7 @@ use super::SpecimenTest;
 use crate::error::Error;
 use crate::model::{Model, Specimen, Triaxial};
 use crate::record::cylinder::{Due, Moment, Recorder};
+use crate::record::quasi_static::Instant;
 use crate::rig::cylinder::{self, Stresses, TOP, inertial_time, space};
 use crate::scene::material::Named;
 use crate::scene::view::View;
@@ -152,6 +153,16 @@ impl SpecimenTest for Shearing {
 
     fn due(&self, _: &Model, rig: &Triaxial, recorder: &mut Recorder, state: &State) -> Option<Due> {
         recorder.due_in_shear(rig, self, state)
+    }
+
+    /// In shear the shell holds the cell pressure.
+    fn held(&self, rig: &Triaxial, state: &State) -> Option<Instant> {
+        (self.phase == Phase::Shear).then(|| Instant {
+            target: rig.specimen.isotropic_stress,
+            held: Stresses::of(state).horizontal,
+            inertial_number: rig.shear.inertial_number,
+            waits: false,
+        })
     }
 
     fn moment(&self, rig: &Triaxial, state: &State) -> Moment {
