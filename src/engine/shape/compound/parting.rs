@@ -26,21 +26,23 @@ impl Compound {
         let mut parts: Vec<Fragment> = (0..self.parts()).filter_map(|k| self.fragment(k)).collect();
         parts.sort_by(|p, q| q.volume().total_cmp(&p.volume()));
         let hair = HAIR * self.reach();
-        let mut free: Vec<Fragment> = Vec::new();
-        for part in parts {
-            let mut pieces = vec![part];
-            for other in &mut free {
+        // what is free so far, with the number of the part that it is of
+        let mut free: Vec<(usize, Fragment)> = Vec::new();
+        for (k, part) in parts.iter().enumerate() {
+            let mut pieces = vec![part.clone()];
+            for (of, other) in &mut free {
+                let between = halfway(&parts[*of], part);
                 let mut left = Vec::new();
                 for piece in pieces {
-                    let (cut, rest) = freed(other, piece, hair);
+                    let (cut, rest) = freed(other, piece, between, hair);
                     *other = cut;
                     left.extend(rest);
                 }
                 pieces = left;
             }
-            free.extend(pieces);
+            free.extend(pieces.into_iter().map(|piece| (k, piece)));
         }
-        free
+        free.into_iter().map(|(_, piece)| piece).collect()
     }
 
     /// A part by itself, as other bodies touch it: sides of boxes do not go on into others.
@@ -67,14 +69,14 @@ fn drawn_in(corners: &[[f64; 3]], r: f64) -> Vec<[f64; 3]> {
     corners.iter().enumerate().map(of).collect()
 }
 
-/// Cuts two parts free of each other, the first the larger one: what is left of the first, and the pieces of the second.
-fn freed(first: &Fragment, second: Fragment, hair: f64) -> (Fragment, Vec<Fragment>) {
+/// Cuts two parts free of each other, the first the larger one, `between` the plane halfway between both as they were: what is left of the first, and the pieces of the second.
+fn freed(first: &Fragment, second: Fragment, between: Option<Plane>, hair: f64) -> (Fragment, Vec<Fragment>) {
     if !overlap(first, &second, hair) {
         return (first.clone(), vec![second]);
     }
     let against = |(n, offset): Plane| (scaled(n, -1.0), -offset);
     let beyond = |of: &Fragment, (n, offset): Plane| of.clone().beyond(n, offset);
-    let halves = halfway(first, &second).map(|plane| (beyond(first, against(plane)), beyond(&second, plane)));
+    let halves = between.map(|plane| (beyond(first, against(plane)), beyond(&second, plane)));
     let first_stays = faces(first).into_iter().map(|face| (Some(first.clone()), beyond(&second, face)));
     let second_stays = faces(&second).into_iter().map(|face| (beyond(first, face), Some(second.clone())));
     let (mut best, mut most) = (None, 0.0);
