@@ -86,7 +86,7 @@ fn a_plus_sign_breaks_into_its_bars() {
     resumes(&out, &scene(folder.path(), PLUS), &[step as u64, step as u64 + 1], &files);
 }
 
-/// When the plus sign breaks, nothing presses between its parts, nor between them and the platens, and the energy of contacts is gone.
+/// When the plus sign breaks, the energy of its contacts is gone, and nothing presses between its parts.
 #[test]
 fn parts_are_born_without_force() {
     let mut scene = Scene::of(&PLUS.replace("[records]\nrows = 300\nfigures = false\nsnapshots = false\n", ""));
