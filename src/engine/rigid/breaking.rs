@@ -349,7 +349,9 @@ impl Blocks {
         breaking.added += made.len() as u64 - 1;
         let outlined = self.outlines.len() == self.blocks.len();
         for (i, piece) in made.into_iter().enumerate() {
-            let of = Fate::of(crush, &piece, lineage_child(fate.lineage, i as u32), generation, step);
+            let mut of = Fate::of(crush, &piece, lineage_child(fate.lineage, i as u32), generation, step);
+            // it lies inside of the body, though the hole of either is sought in steps of a degree
+            of.sieve = of.sieve.min(fate.sieve);
             let outline = outlined.then(|| Outline::of(&piece.shape));
             if i == 0 {
                 breaking.bodies[k] = of;
