@@ -389,7 +389,7 @@ struct Parting {
     lost: f64,
 }
 
-/// The parts of a compound, cut free of each other, as it falls into them; those with less than [`LEAST_CELL`] of its volume are left out.
+/// The parts of a compound, cut free of each other, as it falls into them; those with less than half a per cent of its volume are left out.
 ///
 /// # Errors
 /// Why it does not fall into its parts: fewer than two are left, more than [`MOST_LOST`] of its volume would be, or two have edges so sharp that contacts between them are not computed.
