@@ -6,13 +6,13 @@ out=${1:-runs/blocks}
 program=${COMMINUTE:-target/release/comminute}
 mkdir -p figures/blocks
 
-for scene in tower arch_stands arch_falls rocks crushed_rocks pieces oedometer biaxial; do
+for scene in tower arch_stands arch_falls rocks crushed_rocks crushed_tetrapods pieces oedometer biaxial; do
     "$program" run experiments/blocks/$scene.toml --continue --quiet --out "$out/$scene"
 done
 for scene in tower arch_stands arch_falls; do
     for kind in svg csv; do cp "$out/$scene/figures/bodies.$kind" figures/blocks/$scene.$kind; done
 done
-for scene in rocks crushed_rocks pieces oedometer biaxial; do cp "$out/$scene/figures/bodies.png" figures/blocks/$scene.png; done
+for scene in rocks crushed_rocks crushed_tetrapods pieces oedometer biaxial; do cp "$out/$scene/figures/bodies.png" figures/blocks/$scene.png; done
 for figure in wall_forces gradation; do
     for kind in svg csv; do cp "$out/crushed_rocks/figures/$figure.$kind" figures/blocks/crushed_rocks_$figure.$kind; done
 done

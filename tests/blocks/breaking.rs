@@ -93,6 +93,17 @@ fn breakages_go_on_to_the_byte() {
     resumes(&whole, &scene(folder.path(), CUBE), &stops, &files);
 }
 
+/// A piece passes where its body passes, though the hole of each is sought in steps of a degree: halves of a cube of points once were 6·10⁻⁵ coarser than the cube, and the run ended.
+#[test]
+fn pieces_are_no_coarser_than_their_body() {
+    let corners = (0..8).flat_map(|k| (0..3).map(move |a| if k >> a & 1 == 1 { 10.0 } else { -10.0 })).collect::<Vec<f64>>();
+    let cube = format!("shape = \"polyhedron\"\npoints_mm = {corners:?}");
+    let text = CUBE.replace("shape = \"box\"\nsize_mm = [20.0, 20.0, 20.0]", &cube);
+    let folder = tempfile::tempdir().expect("folder");
+    let out = run(folder.path(), &text, "run", &["--set", "duration_s=0.0011"]);
+    assert_eq!(number(&summary(&out), "blocks"), 2.0);
+}
+
 const ENABLED: &str = "crushing.enabled = true";
 
 /// Seeds of the octants.

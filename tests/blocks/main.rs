@@ -1,6 +1,7 @@
 //! Rigid bodies among themselves, without points: momenta, energy, and what statics says of stacks, slopes and arches. Each test states its error.
 
 mod breaking;
+mod breaking_compounds;
 #[path = "../common/mod.rs"]
 mod common;
 mod compound;

@@ -15,7 +15,7 @@ pub struct CrushModel {
     pub seed: u64,
     /// Into which daughters a grain breaks.
     pub pattern: Pattern,
-    /// Around which seeds bodies that are no spheres break into cells ([`crate::shape::Shape::cells`]); none: in two ([`crate::rigid::Breakage`]).
+    /// Around which seeds bodies that are no spheres break into cells ([`crate::shape::Shape::cells`]); none: in two. Compounds break into their parts ([`crate::rigid::parts_of`]).
     pub cells: Vec<[f64; 3]>,
     /// How the pattern is turned about its axis.
     pub azimuth: Azimuth,

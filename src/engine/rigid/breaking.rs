@@ -8,6 +8,8 @@
 //! platens, the plane contains that line and the cut crosses the body's longest axis. In plane strain the line through the two contacts is the cut. A cut that would
 //! chip off less than [`LEAST`] of the volume goes through the centre of mass instead.
 //!
+//! A compound falls into its parts, cut free of each other ([`Compound::fragments`], [`parts_of`]), and these break as other bodies do.
+//!
 //! Where [`CrushModel::cells`] gives seeds, a body breaks into the cells around them instead ([`Shape::cells`]), those with less than [`LEAST_CELL`] of its volume left out; a body of
 //! which the cells would lose more than [`MOST_LOST`] breaks in two.
 //!
@@ -23,7 +25,7 @@ use crate::check::{self, Checked, ensure};
 use crate::contact::pair::PairTable;
 use crate::math::random::{lineage_child, lineage_root};
 use crate::math::vector::{cross, dot, less, plus, scaled};
-use crate::shape::{Fragment, Shape};
+use crate::shape::{Compound, Fragment, Shape, Solid};
 use serde::{Deserialize, Serialize};
 
 /// Smallest share of a body's volume that a piece may have where the cut does not go through the centre of mass.
@@ -347,7 +349,9 @@ impl Blocks {
         breaking.added += made.len() as u64 - 1;
         let outlined = self.outlines.len() == self.blocks.len();
         for (i, piece) in made.into_iter().enumerate() {
-            let of = Fate::of(crush, &piece, lineage_child(fate.lineage, i as u32), generation, step);
+            let mut of = Fate::of(crush, &piece, lineage_child(fate.lineage, i as u32), generation, step);
+            // it lies inside of the body, though the hole of either is sought in steps of a degree
+            of.sieve = of.sieve.min(fate.sieve);
             let outline = outlined.then(|| Outline::of(&piece.shape));
             if i == 0 {
                 breaking.bodies[k] = of;
@@ -366,7 +370,7 @@ impl Blocks {
 
 /// In plane strain the area per metre of depth over which the force of a contact makes the stress.
 fn plane_area(crush: &CrushModel, block: &Block) -> Option<f64> {
-    matches!(block.shape, Shape::Polygon(_)).then(|| crush.criterion.plane_area(2.0 * block.radius)).flatten()
+    block.shape.is_flat().then(|| crush.criterion.plane_area(2.0 * block.radius)).flatten()
 }
 
 /// Adds −(f a + a f)/2 of a force f, N, at the end of an arm a, m, to a moment xx, yy, zz, xy, yz, zx, N m.
@@ -385,7 +389,30 @@ struct Parting {
     lost: f64,
 }
 
-/// How a body breaks whose largest contacts are `at`, in its frame: into the cells around `seeds`, or where these are none or would lose too much, in two.
+/// The parts of a compound, cut free of each other, as it falls into them; those with less than half a per cent of its volume are left out.
+///
+/// # Errors
+/// Why it does not fall into its parts: fewer than two are left, more than [`MOST_LOST`] of its volume would be, or two have edges so sharp that contacts between them are not computed.
+pub fn parts_of(compound: &Compound) -> Result<Vec<Fragment>, String> {
+    let whole = compound.bulk().volume;
+    let mut parts = compound.fragments();
+    parts.retain(|part| part.volume() >= LEAST_CELL * whole);
+    if parts.len() < 2 {
+        return Err("no second body is left of its parts where they are cut free of each other".into());
+    }
+    let lost = parts.iter().fold(whole, |left, part| left - part.volume()) / whole;
+    if lost > MOST_LOST {
+        let [lost, most] = [lost, MOST_LOST].map(|share| 100.0 * share);
+        return Err(format!("its parts, cut free of each other, would lose {lost:.1} % of its volume, where {most} % may be lost"));
+    }
+    if parts.iter().filter(|part| part.shape.rounded().rounding() == 0.0).count() > 1 {
+        return Err("two of its parts have sharp edges and could not touch each other: give them rounding_mm".into());
+    }
+    Ok(parts)
+}
+
+/// How a body breaks whose largest contacts are `at`, in its frame: a compound into its parts, others into the cells around `seeds`, or where these are none or would lose too much, in
+/// two.
 fn parting(body: &Block, seeds: &[[f64; 3]], at: [Option<[f64; 3]>; 2]) -> Option<Parting> {
     let whole = body.solid().bulk().volume;
     let of = |pieces: Vec<Fragment>, normal, least: f64| {
@@ -393,6 +420,9 @@ fn parting(body: &Block, seeds: &[[f64; 3]], at: [Option<[f64; 3]>; 2]) -> Optio
         let enough = pieces.len() > 1 && pieces.iter().all(|piece| piece.volume() >= least * whole);
         (enough && lost <= MOST_LOST * whole).then_some(Parting { pieces, normal, lost })
     };
+    if let Shape::Compound(compound) = &body.shape {
+        return of(parts_of(compound).ok()?, [0.0; 3], 0.0);
+    }
     if !seeds.is_empty() {
         let mut pieces = body.shape.cells(seeds);
         pieces.retain(|piece| piece.volume() >= LEAST_CELL * whole);
@@ -482,7 +512,7 @@ fn divided(body: &Block, pieces: &[Fragment]) -> Vec<Block> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::shape::{Cuboid, Polyhedron};
+    use crate::shape::{Cuboid, Frame, Piece, Polyhedron};
 
     /// A rock of unequal axes that turns and flies.
     fn rock() -> Block {
@@ -500,11 +530,28 @@ mod tests {
         block
     }
 
-    /// Mass, momentum and angular momentum about the origin are those of the body, in any cut, to rounding; pieces lie beside each other and inside of the body.
+    /// Asserts that mass, momentum and angular momentum about the origin of pieces are those of the body, to rounding, and that the field of velocities hardly changes.
+    fn have_all(body: &Block, made: &[Block]) {
+        let about = |b: &Block| plus(b.momentum, cross(b.centre, scaled(b.velocity, b.mass)));
+        let mass = made.iter().fold(0.0, |sum, b| sum + b.mass);
+        assert!(mass == body.mass || made.len() > 2 && (mass / body.mass - 1.0).abs() < 1e-15, "{mass}");
+        let sum = made.iter().fold([[0.0; 3]; 2], |[p, l], b| [plus(p, scaled(b.velocity, b.mass)), plus(l, about(b))]);
+        let was = [scaled(body.velocity, body.mass), about(body)];
+        for (now, was) in sum.into_iter().zip(was) {
+            let off = less(now, was);
+            assert!(dot(off, off).sqrt() < 1e-12 * dot(was, was).sqrt(), "{now:?} {was:?}");
+        }
+        let kinetic = made.iter().map(Block::kinetic).sum::<f64>();
+        assert!((kinetic / body.kinetic() - 1.0).abs() < 1e-2, "{kinetic} {}", body.kinetic());
+        for (k, piece) in made.iter().enumerate() {
+            assert!(made[..k].iter().all(|other| piece.overlap(other) < 1e-12));
+        }
+    }
+
+    /// Pieces have all that the body had, in any cut, lie beside each other and inside of the body.
     #[test]
     fn pieces_have_all_that_the_body_had() {
         let body = rock();
-        let about = |b: &Block| plus(b.momentum, cross(b.centre, scaled(b.velocity, b.mass)));
         let six: Vec<[f64; 3]> = (0..5).map(|k| [0.4, -0.3, 0.1].map(|x| f64::from(k - 2) * x)).chain([[-0.6, 0.9, 0.5]]).collect();
         for (seeds, at) in [
             (&[][..], [Some([1.2, 0.1, 0.2]), Some([-0.3, 0.9, -0.1])]),
@@ -522,20 +569,7 @@ mod tests {
             assert!(lost > 0.0 && lost < most_lost * whole && volumes.iter().all(|v| *v > least * whole), "{lost} {volumes:?}");
             assert!((dot(normal, normal) - f64::from(u8::from(seeds.is_empty()))).abs() < 1e-12);
             assert_eq!(made.len(), seeds.len().max(2));
-            let mass = made.iter().fold(0.0, |sum, b| sum + b.mass);
-            assert!(mass == body.mass || made.len() > 2 && (mass / body.mass - 1.0).abs() < 1e-15, "{mass}");
-            let sum = made.iter().fold([[0.0; 3]; 2], |[p, l], b| [plus(p, scaled(b.velocity, b.mass)), plus(l, about(b))]);
-            let was = [scaled(body.velocity, body.mass), about(&body)];
-            for (now, was) in sum.into_iter().zip(was) {
-                let off = less(now, was);
-                assert!(dot(off, off).sqrt() < 1e-12 * dot(was, was).sqrt(), "{now:?} {was:?}");
-            }
-            // the field of velocities hardly changes
-            let kinetic = made.iter().map(Block::kinetic).sum::<f64>();
-            assert!((kinetic / body.kinetic() - 1.0).abs() < 1e-2, "{kinetic} {}", body.kinetic());
-            for (k, piece) in made.iter().enumerate() {
-                assert!(made[..k].iter().all(|other| piece.overlap(other) < 1e-12));
-            }
+            have_all(&body, &made);
             for piece in &made {
                 let pose = piece.pose(0.0);
                 let solid = piece.solid();
@@ -544,6 +578,41 @@ mod tests {
                     assert!(body.solid().nearest(corner).distance < -0.05 + 1e-9, "{corner:?}");
                 }
             }
+        }
+    }
+
+    /// A compound that turns and flies has all in its parts: an L of two boxes that overlap, a plus sign whose second bar comes out in two, an arrow head in plane strain.
+    #[test]
+    fn parts_have_all_that_the_compound_had() {
+        let axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+        let cuboid = |half: [f64; 3], origin: [f64; 3]| Piece::cuboid(Cuboid { half }, Frame { origin, axes });
+        let polygon = |corners: [[f64; 2]; 3]| Piece::polygon(&corners, 0.05, Frame { origin: [0.0; 3], axes }).unwrap();
+        for (pieces, count) in [
+            ([cuboid([2.0, 0.5, 0.6], [0.0; 3]), cuboid([0.4, 0.5, 1.5], [1.6, 0.0, 0.9])], 2),
+            ([cuboid([2.0, 0.5, 0.5], [0.0; 3]), cuboid([0.5, 0.5, 1.5], [0.2, 0.0, 0.1])], 3),
+            ([polygon([[0.0, 0.0], [3.0, -1.5], [1.0, 0.0]]), polygon([[0.0, 0.0], [1.0, 0.0], [3.0, 1.5]])], 2),
+        ] {
+            let shape = Shape::Compound(Box::new(Compound::of(&pieces).unwrap().compound));
+            let flat = shape.is_flat();
+            let mut body = Block::new(shape, 2600.0, 0);
+            (body.centre, body.velocity) = ([3.0, -1.0, 2.0], [4.0, 5.0, -6.0]);
+            if flat {
+                (body.centre[2], body.velocity[2]) = (0.0, 0.0);
+                body.turn = motion::about([0.0, 0.0, 1.0], 0.7);
+                body.set_spin([0.0, 0.0, 3.0]);
+            } else {
+                body.turn = motion::about([1.0, -2.0, 0.5], 1.1);
+                body.set_spin([10.0, -7.0, 3.0]);
+            }
+            // seeds are for what is convex
+            let Parting { pieces, normal, lost } = parting(&body, &[[0.5; 3], [-0.5; 3]], [None, None]).unwrap();
+            assert!(pieces.len() == count && normal == [0.0; 3], "{}", pieces.len());
+            let whole = body.solid().bulk().volume;
+            assert!(lost > 0.0 && lost < 0.02 * whole, "{lost} of {whole}");
+            let made = divided(&body, &pieces);
+            have_all(&body, &made);
+            // each breaks as other bodies do
+            assert!(made.iter().all(|piece| parting(piece, &[], [None, None]).is_some()));
         }
     }
 

@@ -11,7 +11,7 @@
 //! A sheet of triangles ([`crate::shape::Sheet`]) is a driven body without mass. What touches it has a contact with each facet, and on its way from facet to facet the contact
 //! that begins takes over the history of the one that ends.
 //!
-//! Bodies may break in two (`breaking.rs`), be moved, pushed and held from outside (`drive.rs`), and be joined to each other and to the world (`joint.rs`).
+//! Bodies may break in two, compounds into their parts (`breaking.rs`), be moved, pushed and held from outside (`drive.rs`), and be joined to each other and to the world (`joint.rs`).
 //!
 //! A face that lies on many points has many contacts. They are stored here and not with those of the grains, so scenes without such bodies pay nothing.
 
@@ -26,7 +26,7 @@ mod pair;
 mod search;
 mod sleep;
 
-pub use breaking::{Breakage, Breaking, Fate, LEAST, MOST_LOST};
+pub use breaking::{Breakage, Breaking, Fate, LEAST, MOST_LOST, parts_of};
 pub use contact::{BlockContact, BlockScene, Other};
 pub use drive::{Drive, Drives, Path, Programme, Push};
 pub use joint::{Bond, Cement, Joint, Kind, Pull};

@@ -67,16 +67,39 @@ impl Fragment {
         self.shape.solid().bulk().volume
     }
 
+    /// The hull of `corners`, m, with a sphere of radius `rounding`, m, swept over it, in their frame; `None` where it has no volume.
+    pub(super) fn of_hull(corners: &[[f64; 3]], rounding: f64) -> Option<Fragment> {
+        let placed = Polyhedron::hull(corners, rounding).ok()?;
+        Some(Fragment { shape: Shape::Polyhedron(placed.polyhedron), centre: placed.centre, axes: placed.axes })
+    }
+
+    /// The convex outline around `corners` in the plane, m, with a disc of radius `rounding`, m, swept over it, in their frame; `None` where it has no area.
+    pub(super) fn of_ring(corners: &[[f64; 3]], rounding: f64) -> Option<Fragment> {
+        let corners = convex_ring(&corners.iter().map(|&[x, y, _]| [x, y]).collect::<Vec<_>>());
+        let (polygon, [x, y]) = Polygon::of(&corners, rounding).ok()?;
+        let axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+        Some(Fragment { shape: Shape::Polygon(polygon), centre: [x, y, 0.0], axes })
+    }
+
+    /// A vector of its own frame in that of the body.
+    pub(super) fn outwards(&self, v: [f64; 3]) -> [f64; 3] {
+        (0..3).fold([0.0; 3], |sum, k| plus(sum, scaled(self.axes[k], v[k])))
+    }
+
+    /// A place of its own frame in that of the body, m.
+    pub(super) fn place(&self, at: [f64; 3]) -> [f64; 3] {
+        plus(self.centre, self.outwards(at))
+    }
+
     /// What of it lies beyond the plane n·x = `offset`, m, in the frame of the body, on the side of the unit vector `normal`.
-    fn beyond(self, normal: [f64; 3], offset: f64) -> Option<Fragment> {
+    pub(super) fn beyond(self, normal: [f64; 3], offset: f64) -> Option<Fragment> {
         let (n, offset) = (self.axes.map(|axis| dot(axis, normal)), offset - dot(self.centre, normal));
         let rounded = self.shape.rounded();
         if rounded.corners().iter().all(|p| dot(*p, n) >= offset + rounded.rounding()) {
             return Some(self);
         }
         let piece = rounded.beyond(n, offset)?;
-        let outwards = |v: [f64; 3]| (0..3).fold([0.0; 3], |sum, k| plus(sum, scaled(self.axes[k], v[k])));
-        let (centre, axes) = (plus(self.centre, outwards(piece.centre)), piece.axes.map(outwards));
+        let (centre, axes) = (self.place(piece.centre), piece.axes.map(|axis| self.outwards(axis)));
         Some(Fragment { centre, axes, ..piece })
     }
 }
@@ -93,7 +116,7 @@ impl Shape {
                 hull.corners.len() > 3
                     && hull.faces.iter().all(|f| fits(f) && f.normal.iter().chain([&f.offset]).all(|x| x.is_finite()))
             }
-            Rounded::Ring(ring) => ring.corners.len() > 2,
+            Rounded::Ring(ring) => !ring.corners.is_empty(),
             Rounded::Sheet(..) | Rounded::Union(_) | Rounded::Smooth(_) => false,
         };
         faces && numbers.copied().all(f64::is_finite) && bulk.volume > 0.0 && rounded.rounding() >= 0.0 && rounded.reach() > 0.0
@@ -120,20 +143,14 @@ impl Rounded {
                 let sharp = |[m, n]: [[f64; 3]; 2]| dot(less(m, n), less(m, n)) > FLAT * FLAT;
                 let edges = hull.edges().into_iter().filter(|(_, normals)| sharp(*normals)).map(|(ends, _)| ends);
                 let corners = kept(&hull.corners, edges, normal, offset + hull.rounding, ONE * hull.reach);
-                let placed = Polyhedron::hull(&corners, hull.rounding).ok()?;
-                Some(Fragment { shape: Shape::Polyhedron(placed.polyhedron), centre: placed.centre, axes: placed.axes })
+                Fragment::of_hull(&corners, hull.rounding)
             }
             Rounded::Ring(ring) => {
                 let n = ring.corners.len() as u32;
                 let sides = (0..n).map(|k| [k, (k + 1) % n]);
                 let corners = kept(&ring.corners, sides, normal, offset + ring.rounding, ONE * ring.reach);
-                let corners = convex_ring(&corners.iter().map(|&[x, y, _]| [x, y]).collect::<Vec<_>>());
-                if corners.len() < 3 {
-                    return None;
-                }
-                let (polygon, [x, y]) = Polygon::of(&corners, ring.rounding).ok()?;
-                let axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-                Some(Fragment { shape: Shape::Polygon(polygon), centre: [x, y, 0.0], axes })
+                let outline = |f: &Fragment| f.shape.solid().spots() > 2;
+                Fragment::of_ring(&corners, ring.rounding).filter(outline)
             }
             Rounded::Sheet(..) | Rounded::Union(_) | Rounded::Smooth(_) => None,
         }

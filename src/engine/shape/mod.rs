@@ -349,6 +349,15 @@ impl Shape {
         }
     }
 
+    /// Whether it is one of plane strain.
+    pub fn is_flat(&self) -> bool {
+        match self {
+            Shape::Polygon(_) => true,
+            Shape::Compound(s) => s.is_flat(),
+            Shape::Box(_) | Shape::Superquadric(_) | Shape::Polyhedron(_) | Shape::Mesh(_) => false,
+        }
+    }
+
     /// Radius of the sphere of the same volume, m; of a polygon that of the disc of the same area; infinite for a sheet, which to others is a plane.
     pub fn radius(&self) -> f64 {
         match self {

@@ -10,8 +10,8 @@ use engine::boundary::Wall;
 use engine::material::Material;
 use engine::mpm::loading_plate::ghost_radius;
 use engine::rigid::motion::{about, product, quaternion};
-use engine::rigid::{Block, Programme};
-use engine::shape::{Cuboid, Polygon, Polyhedron, Shape, Sheet, Solid, Superquadric};
+use engine::rigid::{Block, Programme, parts_of};
+use engine::shape::{Compound, Cuboid, Polygon, Polyhedron, Shape, Sheet, Solid, Superquadric};
 use toml::{Table, Value};
 
 /// Fewest and most numbers of a polyhedron's points: four points, and a thousand.
@@ -57,16 +57,21 @@ impl View<'_> {
         let key = "crushing.enabled";
         let message = "must be false where [[grain]] stands beside [[block]] or [[block_set]]: forces of blocks on spheres do not count for their breakage";
         self.check(alone, key, message);
-        let whole =
-            |b: &&Block| !b.driven && b.shape.cut([1.0, 0.0, 0.0], 0.0).is_none() && b.shape.cut([0.0, 1.0, 0.0], 0.0).is_none();
-        if let Some((k, b)) = blocks.iter().enumerate().find(|(_, b)| whole(b)) {
-            let why = match b.shape {
-                Shape::Compound(_) => "its parts hold together",
-                Shape::Superquadric(_) => "it has no corners",
-                _ => "its edges are too round to leave a hull on both sides of a cut",
+        let mut seen: Vec<&Compound> = Vec::new();
+        for (k, b) in blocks.iter().enumerate().filter(|(_, b)| !b.driven) {
+            let stays = match &b.shape {
+                Shape::Compound(compound) if seen.contains(&compound.as_ref()) => None,
+                Shape::Compound(compound) => {
+                    seen.push(compound);
+                    parts_of(compound).err().map(|why| format!("cannot break into its parts: {why}"))
+                }
+                shape if [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]].iter().any(|n| shape.cut(*n, 0.0).is_some()) => None,
+                Shape::Superquadric(_) => Some("cannot be cut, for it has no corners".into()),
+                _ => Some("cannot be cut, for its edges are too round to leave a hull on both sides of a cut".into()),
             };
-            let message = format!("must be false: block {k}, a {}, cannot be cut, for {why}", b.shape.name());
-            self.refuse(key, message);
+            if let Some(why) = stays {
+                return self.refuse(key, format!("must be false: block {k}, a {}, {why}", b.shape.name()));
+            }
         }
     }
 

@@ -826,7 +826,7 @@ const OWN: &[Key] = &[
         "crushing.block_pieces",
         Numbers(Range::closed(-1.0, 1.0), None),
         Absent,
-        "rigid bodies break into cells around these seeds, a piece for each: x, y, z of one after the other (in plane strain x, y), in shares of half the body's size along its own axes, from -1 to 1; if not written, in two along a plane through their largest contacts",
+        "rigid bodies break into cells around these seeds, a piece for each: x, y, z of one after the other (in plane strain x, y), in shares of half the body's size along its own axes, from -1 to 1; if not written, in two along a plane through their largest contacts. Compounds break into their parts, and these so",
     ),
     oedometer(
         "crushing.points_cell_mm",

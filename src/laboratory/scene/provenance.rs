@@ -160,7 +160,7 @@ const FIXED_OF_BREAKING: &[(&str, &str)] = &[
     ("when blocks are judged", "on the forces of the step; all places of one partner count as one contact"),
     (
         "how a block breaks",
-        "in two, along the plane through its two largest contacts and its centre of mass, or into the cells of crushing.block_pieces",
+        "in two, along the plane through its two largest contacts and its centre of mass, or into the cells of crushing.block_pieces; a compound into its parts, cut free of each other",
     ),
     ("size of a block", "diameter of the sphere of its volume; its gradation by the square sieve it passes"),
 ];

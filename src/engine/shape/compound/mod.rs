@@ -1,11 +1,12 @@
 //! Compounds: bodies that are not convex, as unions of convex parts with one mass and one motion (in the plane Jiang et al. 2020, Fig. 3).
 //!
 //! Parts may overlap or touch. Their surface is that of the union (`union.rs`): points, grains, walls and other bodies touch parts, and nothing inside. Volume and inertia are the sums
-//! over parts, less what is covered more than once (`overlap.rs`).
+//! over parts, less what is covered more than once (`overlap.rs`). A compound that breaks falls into its parts, cut free of each other (`parting.rs`).
 
 mod outline;
 mod overlap;
 mod part;
+mod parting;
 mod union;
 
 pub use part::{Convex, Part};

@@ -303,3 +303,73 @@ fn a_snowman_has_two_radii() {
         (Shape::Compound(Box::new(man.compound.clone())).radius().powi(2) * PI / man.compound.bulk().volume - 1.0).abs() < 1e-12
     );
 }
+
+/// Four tapered legs from one place, as `tests/blocks/compound.rs` has them.
+fn tetrapod() -> PlacedCompound {
+    let points: Vec<[f64; 3]> =
+        [[-3.0, 12.0], [60.0, 8.0]].iter().flat_map(|[z, h]| [[-h, -h, *z], [*h, -h, *z], [-h, *h, *z], [*h, *h, *z]]).collect();
+    // along z, and three times at the angle of a tetrahedron to it
+    let (c, s) = (-1.0 / 3.0, 8.0_f64.sqrt() / 3.0);
+    let turned = |[x, y]: [f64; 2]| {
+        let along = [s * x, s * y, c];
+        let across = [-y, x, 0.0];
+        [cross(across, along), across, along]
+    };
+    let sides = [[1.0, 0.0], [-0.5, 0.75_f64.sqrt()], [-0.5, -(0.75_f64.sqrt())]].map(turned);
+    let leg = |axes| Piece::polyhedron(&points, 4.0, Frame { origin: [0.0; 3], axes }).expect("a leg");
+    whole(&[HERE].into_iter().chain(sides).map(leg).collect::<Vec<_>>())
+}
+
+/// Parts as bodies of their own fill the compound but for their edges, lie inside of it and do not overlap.
+#[test]
+fn parts_come_free_of_each_other() {
+    let l = [cuboid([0.0, 0.0, 0.0], [50.0, 10.0, 10.0]), cuboid([0.0, 0.0, 0.0], [10.0, 10.0, 40.0])];
+    // the stem goes into the bar, or stands on it
+    let t = |low: f64| whole(&[cuboid([-5.0, -5.0, low], [5.0, 5.0, 60.0]), cuboid([-40.0, -5.0, -5.0], [40.0, 5.0, 5.0])]);
+    let cross_of_bars = [cuboid([-60.0, -15.0, -15.0], [60.0, 15.0, 15.0]), cuboid([-15.0, -60.0, -15.0], [15.0, 60.0, 15.0])];
+    let jack = [0, 1, 2].map(|a| {
+        let half: [f64; 3] = std::array::from_fn(|b| if a == b { 50.0 } else { 10.0 });
+        cuboid(half.map(|h| -h), half)
+    });
+    let u = [
+        polyhedron([-50.0, -15.0, -20.0], [50.0, 15.0, 0.0], 4.0),
+        polyhedron([-50.0, -15.0, 0.0], [-30.0, 15.0, 60.0], 4.0),
+        polyhedron([30.0, -15.0, 0.0], [50.0, 15.0, 60.0], 4.0),
+    ];
+    let halves = [polyhedron([-40.0, -9.0, -9.0], [0.0, 9.0, 9.0], 1.0), polyhedron([0.0, -9.0, -9.0], [40.0, 9.0, 9.0], 1.0)];
+    let hexagram =
+        [polygon(&[[-35.0, -20.0], [35.0, -20.0], [0.0, 40.0]], 3.0), polygon(&[[-35.0, 20.0], [0.0, -40.0], [35.0, 20.0]], 3.0)];
+    let arrow = [polygon(&[[0.0, 0.0], [60.0, -30.0], [20.0, 0.0]], 2.0), polygon(&[[0.0, 0.0], [20.0, 0.0], [60.0, 30.0]], 2.0)];
+    let disc_beside = [polygon(&[[0.0, 0.0], [20.0, 0.0], [20.0, 20.0], [0.0, 20.0]], 1.0), polygon(&[[36.0, 10.0]], 15.0)];
+    for (name, placed, count, most_lost) in [
+        ("L", whole(&l), 2, 0.005),
+        ("T, touching", t(5.0), 2, 0.005),
+        ("T, into the bar", t(1.0), 2, 0.005),
+        ("cross", whole(&cross_of_bars), 3, 0.005),
+        ("jack", whole(&jack), 5, 0.005),
+        ("tetrapod", tetrapod(), 4, 0.05),
+        ("U", whole(&u), 3, 0.02),
+        ("halves", whole(&halves), 2, 0.003),
+        ("hexagram", whole(&hexagram), 4, 0.06),
+        ("arrow", whole(&arrow), 2, 0.06),
+        ("a disc beside a square", whole(&disc_beside), 2, 0.005),
+    ] {
+        let compound = &placed.compound;
+        let (volume, reach) = (compound.bulk().volume, compound.reach());
+        let parts = compound.fragments();
+        let volumes: Vec<f64> = parts.iter().map(|part| part.volume()).collect();
+        let lost = 1.0 - volumes.iter().sum::<f64>() / volume;
+        println!("{name}: {} pieces, {lost:.5} lost, {volumes:?} of {volume}", parts.len());
+        assert_eq!(parts.len(), count, "{name}");
+        assert!(lost > -1e-9 && lost < most_lost, "{name}: {lost}");
+        for (k, part) in parts.iter().enumerate() {
+            assert!(parts[..k].iter().all(|other| !parting::overlap(part, other, 1e-9 * reach)), "{name}: {k}");
+            let rounded = part.shape.rounded();
+            let inside = |p: &[f64; 3]| compound.nearest(part.place(*p)).distance <= 1e-9 * reach - rounded.rounding();
+            assert!(rounded.corners().iter().all(inside), "{name}: {k}");
+        }
+    }
+    // two equal halves of a bar that share a face come out equal
+    let [p, q] = whole(&halves).compound.fragments().try_into().expect("two");
+    assert!((p.volume() / q.volume() - 1.0).abs() < 1e-12);
+}
