@@ -74,6 +74,32 @@ fn cell_pressure_is_held_strains_agree_with_the_walls_and_energy_closes() {
     }
 }
 
+/// A level of accuracy sets what the scene does not have, and the summary says whether the platens were as close as it asks for: on the average of all steps.
+#[test]
+fn a_level_of_accuracy_is_told_and_judged() {
+    let folder = tempfile::tempdir().expect("folder");
+    let judged = |name: &str, more: &[&str]| {
+        let out = folder.path().join(name);
+        let mut command = comminute("run");
+        command.args(["experiments/triaxial/petroleum_coke.toml", "--accuracy", "draft", "--out"]).arg(&out);
+        for set in ["specimen.grains=200", "specimen.diameter_mm=110.0", "loading.axial_strain=0.01", "records.figures=false"] {
+            command.args(["--set", set]);
+        }
+        command.args(more).assert().success();
+        let text = fs::read_to_string(out.join("summary.json")).expect("summary");
+        let summary: serde_json::Value = serde_json::from_str(&text).expect("JSON");
+        let warned =
+            summary["warnings"].as_array().expect("warnings").iter().any(|w| w.to_string().contains("average of all steps"));
+        let accuracy = summary["accuracy"].clone();
+        let [found, most] = [&accuracy["mean_platen_difference"], &accuracy["promise"]["mean_platen_difference"]]
+            .map(|x| x.as_f64().expect("a number"));
+        assert_eq!((accuracy["kept"].as_bool(), warned), (Some(found <= most), found > most), "{accuracy}");
+        found <= most
+    };
+    assert!(judged("draft", &[]));
+    assert!(!judged("fast", &["--set", "loading.inertial_number=0.02"]), "what a scene sets itself wins, and is judged");
+}
+
 /// Energies stand against strain, since the stress falls after its peak, and no line of a k0 is drawn.
 #[test]
 fn figures_are_those_of_shear() {
