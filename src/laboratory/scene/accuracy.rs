@@ -227,9 +227,9 @@ const TRIAXIAL: [Level; 3] = [
         ],
         promise: Promise {
             differences: &[
-                share("residual_strength", 0.1, "q/p in the last half of the test"),
+                share("residual_strength", 0.11, "q/p in the last half of the test"),
                 share("crush_events", 0.15, "the breakages"),
-                of("void_ratio", 0.01, "the void ratio at the end"),
+                of("void_ratio", 0.011, "the void ratio at the end"),
             ],
             of: OF_TRIAXIAL,
             platens: Platens::Mean(0.06),
@@ -246,7 +246,7 @@ const TRIAXIAL: [Level; 3] = [
             differences: &[
                 share("residual_strength", 0.1, "q/p in the last half of the test"),
                 share("crush_events", 0.1, "the breakages"),
-                of("void_ratio", 0.01, "the void ratio at the end"),
+                of("void_ratio", 0.011, "the void ratio at the end"),
             ],
             of: OF_TRIAXIAL,
             platens: Platens::Mean(0.025),
