@@ -4,7 +4,7 @@ use super::typed::{refused, resumes, run, scene};
 use crate::common::typed::{number, numbers, summary};
 
 /// A cube between two platens, of which the upper one comes down; its strength has no spread.
-const CUBE: &str = r#"
+pub const CUBE: &str = r#"
 kind = "mixture"
 duration_s = 0.0013
 crushing.enabled = true

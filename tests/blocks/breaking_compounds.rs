@@ -1,44 +1,21 @@
 //! Compounds that break into their parts.
 
+use super::breaking::CUBE;
 use super::scene::Scene;
 use super::typed::{refused, resumes, run, scene};
 use crate::common::typed::{number, numbers, summary};
 use comminute::rigid::Other;
 use std::f64::consts::{FRAC_PI_4, PI};
+use std::sync::LazyLock;
 
-/// A plus sign of two bars between two platens, of which the upper one comes down on the upright bar; its strength has no spread.
-const PLUS: &str = r#"
-kind = "mixture"
-duration_s = 0.0013
-crushing.enabled = true
-[[wall]]
-kind = "plane"
-point_m = [0.0, 0.0, 0.0]
-normal = [0.0, 0.0, 1.0]
-[[wall]]
-kind = "plane"
-point_m = [0.0, 0.0, 0.0201]
-normal = [0.0, 0.0, -1.0]
-velocity_m_s = 0.1
-[[block]]
-shape = "compound"
-position_mm = [0.0, 0.0, 10.001]
-part = [{ shape = "box", size_mm = [6.0, 6.0, 20.0] }, { shape = "box", size_mm = [20.0, 6.0, 6.0] }]
-[material]
-name = "stone"
-grain.density_kg_m3 = 2650.0
-elastic.E_GPa = 47.0
-elastic.nu = 0.3
-contact.friction = 0.4
-strength.d0_mm = 20.0
-strength.fixed_angle = { sigma_lim0_MPa = 50.0, theta0_rad = 0.13, m = 3.0, var = 0.0 }
-comminution.d50_mm = 10.0
-comminution.d_limit_over_d50 = 0.5
-[records]
-rows = 300
-figures = false
-snapshots = false
-"#;
+/// A plus sign of two bars in place of the cube between platens: the upper one comes down on the upright bar.
+static PLUS: LazyLock<String> = LazyLock::new(|| {
+    let plus = "shape = \"compound\"\nposition_mm = [0.0, 0.0, 10.001]\n\
+        part = [{ shape = \"box\", size_mm = [6.0, 6.0, 20.0] }, { shape = \"box\", size_mm = [20.0, 6.0, 6.0] }]";
+    let cube = "shape = \"box\"\nsize_mm = [20.0, 20.0, 20.0]\nposition_mm = [0.0, 0.0, 10.001]";
+    assert!(CUBE.contains(cube));
+    CUBE.replace(cube, plus)
+});
 
 /// Volume of a box with these edges that are round with the radius `r`, by Steiner's formula.
 fn rounded(edges: [f64; 3], r: f64) -> f64 {
@@ -51,7 +28,7 @@ fn rounded(edges: [f64; 3], r: f64) -> f64 {
 #[test]
 fn a_plus_sign_breaks_into_its_bars() {
     let folder = tempfile::tempdir().expect("folder");
-    let out = run(folder.path(), PLUS, "run", &["--threads", "1"]);
+    let out = run(folder.path(), &PLUS, "run", &["--threads", "1"]);
     let table = out.join("block_breakage.csv");
     let broken = numbers(&table, ["pieces", "diameter_mm", "force_N", "limit_force_N", "block_mass_g", "piece_mass_g", "step"]);
     let [pieces, d, force, limit, bar, stub, step] = broken[0];
@@ -83,7 +60,7 @@ fn a_plus_sign_breaks_into_its_bars() {
     let stored: f64 = numbers(&table, ["stored_J"]).iter().map(|[stored]| stored).sum();
     assert!(dissipated > stored && dissipated < work, "{dissipated} {stored} {work}");
     let files = ["blocks.csv", "block_breakage.csv", "block_surfaces.csv", "walls.csv", "gsd.csv", "history.csv"];
-    resumes(&out, &scene(folder.path(), PLUS), &[step as u64, step as u64 + 1], &files);
+    resumes(&out, &scene(folder.path(), &PLUS), &[step as u64, step as u64 + 1], &files);
 }
 
 /// When the plus sign breaks, the energy of its contacts is gone, and nothing presses between its parts.
@@ -153,7 +130,7 @@ fn compounds_that_do_not_come_apart_are_refused() {
     let parts = "part = [{ shape = \"box\", size_mm = [6.0, 6.0, 20.0] }, { shape = \"box\", size_mm = [20.0, 6.0, 6.0] }]";
     let refuses = |to: &str, says: &str| {
         let says = format!("crushing.enabled = true: must be false: block 0, a compound, cannot break into its parts: {says}");
-        refused(folder.path(), PLUS, parts, to, &says);
+        refused(folder.path(), &PLUS, parts, to, &says);
     };
     refuses(
         "part = [{ shape = \"box\", size_mm = [20.0, 20.0, 20.0] }, { shape = \"box\", size_mm = [10.0, 10.0, 10.0] }]",

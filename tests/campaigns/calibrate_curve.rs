@@ -1,5 +1,6 @@
 //! `comminute calibrate curve` as a user types it: a small scene, a curve that it made itself, runs that fail, kills in the middle.
 
+use crate::ROOT;
 use crate::called::{call, command, said};
 #[cfg(target_os = "linux")]
 use crate::processes;
@@ -10,7 +11,6 @@ use std::path::Path;
 use std::process::Stdio;
 use tempfile::TempDir;
 
-const ROOT: &str = env!("CARGO_MANIFEST_DIR");
 const STRENGTH: &str = "material.strength.fixed_angle.sigma_lim0_MPa";
 const POROSITY: &str = "specimen.porosity";
 const TRUTH: [f64; 2] = [50.0, 0.5];

@@ -1,5 +1,6 @@
 //! `comminute calibrate grains` as a user types it, from the repository root.
 
+use crate::ROOT;
 use assert_cmd::Command;
 use predicates::prelude::*;
 use predicates::str::contains;
@@ -13,7 +14,7 @@ const MATERIAL: &str = "materials/petroleum_coke.toml";
 const COKE: &str = "experiments/petroleum_coke/h-c-2.toml";
 
 fn comminute(args: &[&str]) -> assert_cmd::assert::Assert {
-    Command::cargo_bin("comminute").expect("the binary").current_dir(env!("CARGO_MANIFEST_DIR")).args(args).assert()
+    Command::cargo_bin("comminute").expect("the binary").current_dir(ROOT).args(args).assert()
 }
 
 fn folder() -> TempDir {
@@ -205,7 +206,7 @@ fn friction_along_coarse_grains_goes_into_the_law_of_the_fines() {
     write("history.csv", &format!("stage,axial_strain,volumetric_strain,sigma_1_kPa,sigma_3_kPa,void_ratio\n{history}"));
     write("grains_start.csv", "x_m,y_m,z_m,r_m,generation,material\n0,0,0,0.01,0,coarse\n0.01,0,0.01,0.001,0,fine\n");
     let (out, run) = (text(&folder.path().join("out")), text(&run));
-    let base = text(&Path::new(env!("CARGO_MANIFEST_DIR")).join("materials/li2023_fines.toml"));
+    let base = text(&Path::new(ROOT).join("materials/li2023_fines.toml"));
     let args = ["calibrate", "fines", &run, "--interface", &run, "--base", &base, "--out", &out];
     comminute(&args).code(2).stderr(contains("records.contacts=true"));
 

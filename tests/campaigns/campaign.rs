@@ -1,5 +1,6 @@
 //! Ensembles and sweeps from the command line: each run a process in its own folder, and nothing done twice.
 
+use crate::ROOT;
 use crate::called::{call, command, said, text};
 #[cfg(target_os = "linux")]
 use crate::{left, processes};
@@ -8,8 +9,6 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, SystemTime};
 use tempfile::TempDir;
-
-const ROOT: &str = env!("CARGO_MANIFEST_DIR");
 
 /// A folder with `scene.toml`, a small crushable specimen that is pressed in well under a second.
 fn folder() -> TempDir {

@@ -14,3 +14,6 @@ mod reproduce;
 mod scenes_small;
 mod study;
 mod verify;
+
+/// The folder of the repository.
+const ROOT: &str = env!("CARGO_MANIFEST_DIR");

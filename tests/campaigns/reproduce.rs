@@ -1,13 +1,12 @@
 //! A plan from the command line: its runs, once, and the report with what was published beside.
 
+use crate::ROOT;
 use crate::called::{said, text};
 #[cfg(target_os = "linux")]
 use crate::{called, left, processes, scenes_small};
 use std::fs;
 use std::process::{Command, Output, Stdio};
 use tempfile::TempDir;
-
-const ROOT: &str = env!("CARGO_MANIFEST_DIR");
 
 /// A plan of two small scenes, one crushable with two seeds and one not.
 fn folder() -> TempDir {

@@ -1,12 +1,11 @@
 //! A study from the command line: its runs, once, and the report with errors, times and effects.
 
+use crate::ROOT;
 use crate::{called, scenes_small};
 use std::fs;
 use std::path::Path;
 use std::process::Output;
 use tempfile::TempDir;
-
-const ROOT: &str = env!("CARGO_MANIFEST_DIR");
 
 /// A small crushable scene and a plan of this design beside it.
 fn folder(plan: &str) -> TempDir {

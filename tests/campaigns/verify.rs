@@ -1,5 +1,6 @@
 //! `comminute verify` as a user types it.
 
+use crate::ROOT;
 use assert_cmd::Command;
 use predicates::prelude::PredicateBooleanExt;
 use predicates::str::contains;
@@ -8,7 +9,7 @@ use std::path::Path;
 
 fn verify(out: &Path, more: &[&str]) -> Command {
     let mut command = Command::cargo_bin("comminute").expect("the program");
-    command.current_dir(env!("CARGO_MANIFEST_DIR")).args(["verify", "--quiet", "--out"]).arg(out).args(more);
+    command.current_dir(ROOT).args(["verify", "--quiet", "--out"]).arg(out).args(more);
     command
 }
 

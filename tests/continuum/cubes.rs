@@ -44,9 +44,9 @@ fn history<const N: usize>(
     columns(&out, names)
 }
 
-/// Methods with cells of which the cube has 4 and, but with 27 points to a cell, 8 along its edge.
+/// Methods with cells of which the cube has 4 and 8 along its edge.
 fn cases() -> impl Iterator<Item = ((&'static str, &'static str, &'static str), &'static str)> {
-    METHODS.into_iter().flat_map(|m| ["10.0", "5.0"].map(|cell| (m, cell))).filter(|(m, cell)| (m.2, *cell) != ("3", "5.0"))
+    METHODS.into_iter().flat_map(|m| ["10.0", "5.0"].map(|cell| (m, cell)))
 }
 
 /// One-dimensional compression of an elastic cube to 2 %: sigma = M ln(1/(1 - strain)) and k0 = nu/(1 - nu), within 1 % and 0.01. Before faces were followed the oedometer's modulus was
