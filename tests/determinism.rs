@@ -23,7 +23,12 @@ fn scene(more: &[&str]) -> Model {
 const TASK: usize = 48;
 
 /// Preparation and loading, with prints on the way; `each` may tamper with memory before every step.
-fn run(model: Model, mut each: impl FnMut(&mut State, &mut Workspace)) -> Vec<Print> {
+fn run(model: Model, each: impl FnMut(&mut State, &mut Workspace)) -> Vec<Print> {
+    run_until(model, u64::MAX, each)
+}
+
+/// The same, at most to this step of the loading.
+fn run_until(model: Model, last: u64, mut each: impl FnMut(&mut State, &mut Workspace)) -> Vec<Print> {
     let mut each = |state: &mut State, work: &mut Workspace| {
         work.task = TASK;
         each(state, work);
@@ -32,14 +37,16 @@ fn run(model: Model, mut each: impl FnMut(&mut State, &mut Workspace)) -> Vec<Pr
     let mut prints = vec![print(&prepared)];
     prints[0].counters += &format!(" {steps} steps");
     let mut press = Press::new(model, &prepared);
-    while !press.done() {
+    while !press.done() && press.state.step < last {
         each(&mut press.state, &mut press.work);
         press.step();
         if press.state.step.is_multiple_of(3000) {
             prints.push(print(&press.state));
         }
     }
-    prints.push(print(&press.state));
+    if press.done() {
+        prints.push(print(&press.state));
+    }
     let s = &press.state;
     println!("{steps} + {} steps, {} events, {} slots", s.step, s.crush_events, s.pairs.slots());
     assert!(s.crush_events > 40 && s.grains.len() > 600, "enough breaks");
@@ -90,9 +97,12 @@ fn skins_of_half_and_twice_the_size_give_the_same_bytes() {
     }
 }
 
+/// Not to the end of the loading: lists take ten times as long as steps.
 #[test]
 fn lists_made_anew_at_every_step_give_the_same_bytes() {
-    same(reference(), &on_threads(1, || run(scene(&[]), |_, work| work.rebuild_always = true)));
+    let found = on_threads(1, || run_until(scene(&[]), 42_000, |_, work| work.rebuild_always = true));
+    assert!(found.len() == 15);
+    same(&reference()[..15], &found);
 }
 
 /// Dropping the scratch now and then is what a resumed run does.

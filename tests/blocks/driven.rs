@@ -1,6 +1,6 @@
 //! Bodies on paths, pushed and held bodies, glue and hinges, against closed forms.
 
-use crate::scene::{FLOOR, ROUGH, SMOOTH, Scene, cuboid};
+use crate::scene::{FLOOR, ROUGH, SMOOTH, Scene, cuboid, on_one_thread};
 use comminute::math::vector::{dot, less, scaled};
 use comminute::rig::continuum::State;
 use comminute::rigid::{Block, Joint};
@@ -22,14 +22,16 @@ fn joint(state: &State, k: usize) -> &Joint {
 }
 
 /// Goes on to a time, s, and looks at every instant when its forces are known, before anything moves.
-fn watch(scene: &mut Scene, end: f64, mut look: impl FnMut(&State, &[Block])) {
-    while scene.state.time < end {
-        let observe = |state: &mut State, _: &_| {
-            look(state, &state.blocks().expect("bodies").blocks);
-            Ok(0.0)
-        };
-        scene.state.advance(&scene.model, &scene.rig, &mut scene.engine, observe).expect("a step");
-    }
+fn watch(scene: &mut Scene, end: f64, mut look: impl FnMut(&State, &[Block]) + Send) {
+    on_one_thread(|| {
+        while scene.state.time < end {
+            let observe = |state: &mut State, _: &_| {
+                look(state, &state.blocks().expect("bodies").blocks);
+                Ok(0.0)
+            };
+            scene.state.advance(&scene.model, &scene.rig, &mut scene.engine, observe).expect("a step");
+        }
+    });
 }
 
 /// A plate that is driven under a brick at rest gives m v²: half of it the brick has in the end, the other half friction took.

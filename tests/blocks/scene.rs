@@ -7,11 +7,20 @@ use comminute::model::continuum::MpmTest;
 use comminute::model::{Model, Rig};
 use comminute::rig::continuum::{Engine, State};
 use comminute::rigid::{Block, Blocks};
+use rayon::{ThreadPool, ThreadPoolBuilder};
 
 /// A stone without friction whose impacts lose nothing.
 pub const SMOOTH: Stuff = Stuff { young: 10e9, poisson: 0.2, density: 2500.0, friction: 0.0, restitution: 1.0 };
 /// A stone with friction whose impacts lose most of their energy.
 pub const ROUGH: Stuff = Stuff { young: 1e9, poisson: 0.2, density: 2500.0, friction: 0.7, restitution: 0.3 };
+
+/// Steps on a worker of this test's own: from a thread that is none, every parallel piece of a step would wake one and wait for it.
+pub fn on_one_thread<T: Send>(job: impl FnOnce() -> T + Send) -> T {
+    thread_local! {
+        static WORKER: ThreadPool = ThreadPoolBuilder::new().num_threads(1).build().expect("a thread");
+    }
+    WORKER.with(|worker| worker.install(job))
+}
 
 /// A scene under way.
 pub struct Scene {
@@ -45,10 +54,12 @@ impl Scene {
     /// Goes on for a time, s; an error ends it.
     pub fn run(&mut self, duration: f64) -> Result<(), String> {
         let end = self.state.time + duration;
-        while self.state.time < end {
-            self.state.advance(&self.model, &self.rig, &mut self.engine, |_, _| Ok(0.0)).map_err(|e| e.to_string())?;
-        }
-        Ok(())
+        on_one_thread(|| {
+            while self.state.time < end {
+                self.state.advance(&self.model, &self.rig, &mut self.engine, |_, _| Ok(0.0)).map_err(|e| e.to_string())?;
+            }
+            Ok(())
+        })
     }
 
     pub fn all(&self) -> &Blocks {

@@ -71,9 +71,9 @@ const ARGS: [&str; 14] = [
     "--scene",
     "scene.toml",
     "--design",
-    "12",
+    "9",
     "--budget",
-    "20",
+    "14",
     "--batch",
     "2",
     "--check",
@@ -98,7 +98,7 @@ fn a_killed_calibration_ends_like_one_that_was_not() {
 
     let log = dir.join("whole/evaluations.csv");
     let (done, failed) = (rows(&log, "done"), rows(&log, "failed"));
-    assert!(failed > 0 && done + failed == 21, "{done} done, {failed} failed");
+    assert!(failed > 0 && done + failed == 15, "{done} done, {failed} failed");
     assert_eq!(json["runs"]["failed"], failed);
     for key in [STRENGTH, POROSITY] {
         let of = |name: &str| json["parameters"][key][name].as_f64().expect("number");
@@ -113,7 +113,7 @@ fn a_killed_calibration_ends_like_one_that_was_not() {
     let args = with(&["--out", "cut", "--jobs", "1"]);
     let start = || command(dir, &args).stdout(Stdio::null()).stderr(Stdio::piped()).spawn().expect("started");
     let begun = |n: usize| dir.join(format!("cut/runs/run-{n:03}")).exists();
-    for until in [1, 17] {
+    for until in [1, 12] {
         let mut child = start();
         while !begun(until) {
             assert!(child.try_wait().expect("child").is_none(), "ended before it could be killed");
@@ -129,16 +129,16 @@ fn a_killed_calibration_ends_like_one_that_was_not() {
     #[cfg(target_os = "linux")]
     {
         let mut child = start();
-        processes::kill_run(&mut child, dir, "cut/runs/", || begun(18));
+        processes::kill_run(&mut child, dir, "cut/runs/", || begun(13));
         let output = child.wait_with_output().expect("ended");
         assert_eq!(output.status.code(), Some(1), "{}", said(&output));
         assert!(said(&output).contains("was killed by SIGKILL (from outside"), "{}", said(&output));
         assert!(!fs::read_to_string(&log).expect("log").contains("SIGKILL"));
     }
     let done = |run: &str| fs::metadata(dir.join("cut/runs").join(run).join("history.csv")).and_then(|m| m.modified()).ok();
-    let first: Vec<_> = (1..18).map(|n| done(&format!("run-{n:03}"))).collect();
+    let first: Vec<_> = (1..13).map(|n| done(&format!("run-{n:03}"))).collect();
     call(dir, &args, 0);
-    assert!((1..18).map(|n| done(&format!("run-{n:03}"))).eq(first), "what is done is not done again");
+    assert!((1..13).map(|n| done(&format!("run-{n:03}"))).eq(first), "what is done is not done again");
     let (whole, cut) = (files(&dir.join("whole")), files(&dir.join("cut")));
     assert_eq!(whole.keys().collect::<Vec<_>>(), cut.keys().collect::<Vec<_>>());
     for (name, bytes) in &whole {
@@ -223,9 +223,9 @@ fn a_study_tells_how_often_intervals_hold() {
         "truths.csv",
         "--all-data",
         "--design",
-        "12",
+        "9",
         "--budget",
-        "16",
+        "13",
         "--check",
         "0",
         "--quiet",

@@ -30,8 +30,9 @@ runs! { "cpu":
     oedometer_hertz_area: "experiments/petroleum_coke/h-v-2.toml", coke!("loading.max_stress_kPa=2500");
     oedometer_linear: "experiments/petroleum_coke/l-c-2.toml", coke!("specimen.porosity=0.46");
     oedometer_linear_inherited: "experiments/petroleum_coke/l-c-2.toml", coke!("specimen.porosity=0.47", "contact.law=linear_inherited");
-    oedometer_hertz_viscous: "experiments/petroleum_coke/h-c-2.toml", in_time!("contact.law=hertz_viscous");
-    oedometer_hertz_viscous_no_tension: "experiments/petroleum_coke/h-c-2.toml", in_time!("contact.law=hertz_viscous_no_tension", "crushing.birth=gradual");
+    oedometer_hertz_viscous: "experiments/petroleum_coke/h-c-2.toml", in_time!("contact.law=hertz_viscous", "loading.max_stress_kPa=300", "records.at_kPa=[200.0]");
+    oedometer_hertz_viscous_no_tension: "experiments/petroleum_coke/h-c-2.toml",
+        in_time!("contact.law=hertz_viscous_no_tension", "crushing.birth=gradual", "loading.max_stress_kPa=400", "records.at_kPa=[300.0]");
     oedometer_elasto_plastic: "experiments/petroleum_coke/h-c-2.toml",
         coke!("contact.law=elasto_plastic", "material.contact.yield_pressure_MPa=60", "contact.unloading=rescale", "crushing.birth=gradual");
     oedometer_mean_stress_and_weibull: "experiments/criteria/oedometer.toml",
@@ -39,7 +40,7 @@ runs! { "cpu":
     oedometer_growing_daughters: "experiments/petroleum_coke/h-c-2.toml",
         coke!("specimen.porosity=0.46", "preparation.growth_friction=auto", "crushing.birth=gradual", "crushing.lost_mass=grow", "contact.unloading=rescale",
             "loading.control=strain", "loading.stages_kPa=[500.0, 1600.0]");
-    oedometer_fines_as_points: "tests/golden/sand_oedometer.toml", &[];
+    oedometer_fines_as_points: "tests/golden/sand_oedometer.toml", &["loading.max_stress_kPa=3500", "loading.stages_kPa=[1800.0]"];
     triaxial: "experiments/fontainebleau/triaxial-h.toml",
         &["specimen.grains=300", "specimen.diameter_mm=10.3", "crushing.enabled=true", "loading.axial_strain=0.1", "specimen.isotropic_stress_kPa=2000", "loading.inertial_number=0.001"];
     isotropic: "experiments/isotropic/petroleum_coke.toml",
@@ -60,11 +61,11 @@ runs! { "cpu":
     blocks_in_plane: "experiments/jiang2020/disc_soft.toml", &["duration_s=0.014"];
     blocks_that_break: "experiments/blocks/crushed_cube.toml", &[];
     mixture_crushing: "experiments/mixture/oedometer_crushing.toml", &["test.axial_strain=0.01"];
-    mixture_grown_with_fines: "experiments/mixture/coke_in_fines.toml", &["test.axial_strain=0.03"];
+    mixture_grown_with_fines: "experiments/mixture/coke_in_fines.toml", &["test.axial_strain=0.015"];
 }
 
 #[cfg(feature = "gpu")]
 runs! { "gpu":
-    gpu_continuum: "experiments/mpm/triaxial_fine_small.toml", &["test.axial_strain=0.002"];
-    gpu_mixture: "tests/gpu/mixture.toml", &["test.axial_strain=0.001"];
+    gpu_continuum: "experiments/mpm/triaxial_fine_small.toml", &["test.axial_strain=0.001"];
+    gpu_mixture: "tests/gpu/mixture.toml", &["test.axial_strain=0.0002", "stepping.safety=0.9"];
 }

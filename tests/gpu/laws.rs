@@ -11,7 +11,7 @@ const CUBE: [&str; 6] = [
     "material.continuum.nu=0.25",
     "damping.local=0.0",
     "records.rows=5000",
-    "test.strain_per_wave=0.0003",
+    "test.strain_per_wave=0.0005",
 ];
 
 /// Triaxial compression at 50 kPa through a peak at 38° to the end of the softening, with dilation that ends.
@@ -53,7 +53,7 @@ fn distances<const N: usize>(name: &str, sets: &[&str], names: [&str; N]) -> ([f
     (found, columns(&outs[0], names))
 }
 
-/// Cones and pyramids that harden and soften, with dilation that ends. Measured: q 3e-6 of its
+/// Cones and pyramids that harden and soften, with dilation that ends. Measured: q 6e-6 of its
 /// largest, volumetric strain 3e-6.
 #[test]
 fn dilation_ends_with_softening_as_on_the_cpu() {
@@ -76,8 +76,8 @@ fn dilation_ends_with_softening_as_on_the_cpu() {
 }
 
 /// Modified Cam-clay in an oedometer from below its preconsolidation pressure, and in triaxial compression: drained and undrained from the virgin line, and drained where it
-/// dilates. Measured, of the largest value: stresses in the oedometer 2e-6; q 2.2e-5, p 9e-6 drained; q 1.3e-4, p 2.6e-5 undrained, in the vibrations of the start, which differ
-/// in phase and die away (q 2e-6 at the end); q 4e-5, p 3e-5 where it dilates.
+/// dilates. Measured, of the largest value: stresses in the oedometer 2e-6; q 5e-5, p 2.3e-5 drained; q 4e-4, p 7e-5 undrained, in the vibrations of the start, which differ
+/// in phase and die away; q 6e-5, p 8e-5 where it dilates.
 #[test]
 fn clays_are_those_of_the_cpu() {
     if !adapter("clays_are_those_of_the_cpu") {
@@ -85,7 +85,7 @@ fn clays_are_those_of_the_cpu() {
     }
     let ([axial, lateral], rows) = distances(
         "clay, oedometer",
-        &[&CLAY[..], &["body[0].stress_kPa=50.0", "test.axial_strain=0.05"]].concat(),
+        &[&CLAY[..], &["body[0].stress_kPa=50.0", "test.axial_strain=0.04"]].concat(),
         ["sigma_v_kPa", "sigma_h_kPa"],
     );
     assert!(axial < 2e-5 && lateral < 2e-5);
@@ -101,7 +101,7 @@ fn clays_are_those_of_the_cpu() {
             format!("test.drainage={drainage}"),
             format!("grid.pic={pic}"),
             "test.rig=triaxial".into(),
-            "test.axial_strain=0.05".into(),
+            "test.axial_strain=0.04".into(),
         ];
         let sets = [&CLAY[..], &own.each_ref().map(String::as_str)].concat();
         let ([q, p], rows) = distances(name, &sets, ["q_kPa", "p_kPa"]);

@@ -33,7 +33,7 @@ pub fn both(folder: &Path, scene: &str, sets: &[&str], stop: &str) -> [PathBuf; 
     outs
 }
 
-/// Twelve grains in four chains, which bear most of the load.
+/// Six grains in two chains, which bear most of the load.
 const CHAINS: &str = "../tests/gpu/chains";
 
 /// The smallest version of Li's binary mixture, whose loading begins within so many steps.
@@ -118,12 +118,12 @@ fn a_mixture_resumes_to_the_byte() {
         return;
     }
     let folder = tempfile::tempdir().expect("folder");
-    let sets = [&PLAIN[..], &["test.axial_strain=0.0002", "records.rows=10"]].concat();
+    let sets = [&PLAIN[..], &["test.axial_strain=0.0002", "records.rows=10", "stepping.safety=0.9"]].concat();
     let [whole, parts] = ["whole", "parts"].map(|name| folder.path().join(name));
     // on one thread of a software adapter, and on as many as it has
     run(TWIN, &whole, &sets, &["--backend", "gpu"]).env("LP_NUM_THREADS", "1").assert().success();
     run(TWIN, &parts, &sets, &["--backend", "gpu", "--stop-after", "70"]).assert().code(130);
-    resume(&parts, &["--stop-after", "301"]).code(130);
+    resume(&parts, &["--stop-after", "201"]).code(130);
     resume(&parts, &[]).success();
     same_files(&whole, &parts);
     let bytes = |out: &Path| std::fs::read(out.join("grains_final.csv")).expect("grains");
@@ -311,10 +311,10 @@ fn grains_break_on_the_way() {
         return;
     }
     let folder = tempfile::tempdir().expect("folder");
-    let sets = [&PLAIN[..], &["test.axial_strain=0.0094", "records.rows=1000"]].concat();
+    let sets = [&PLAIN[..], &["test.axial_strain=0.0080", "records.rows=1000"]].concat();
     let [cpu, gpu, parts] = ["cpu", "gpu", "parts"].map(|name| folder.path().join(name));
     // shortly before the first breakage
-    run(CHAINS, &cpu, &sets, &["--stop-after", "630"]).assert().code(130);
+    run(CHAINS, &cpu, &sets, &["--stop-after", "530"]).assert().code(130);
     [&gpu, &parts].into_iter().for_each(|out| copy(&cpu, out));
     resume(&cpu, &[]).success();
     resume(&gpu, &["--backend", "gpu"]).success();
@@ -322,14 +322,14 @@ fn grains_break_on_the_way() {
     let rows = outs.each_ref().map(|out| columns(out, ["crush_events", "grains", "coarse_mass_kg", "sigma_v_kPa", "axial_strain"]));
     let last = rows.each_ref().map(|rows| rows[rows.len() - 1]);
     assert_eq!(last[0][..2], last[1][..2]);
-    assert_eq!(last[1][..2], [2.0, 38.0]);
+    assert_eq!(last[1][..2], [2.0, 32.0]);
     assert!((last[0][2] / last[1][2] - 1.0).abs() < 1e-9);
     for event in [1.0, 2.0] {
         let [first, other] = rows.each_ref().map(|rows| rows.iter().position(|r| r[0] == event).expect("a breakage"));
         let (here, there) = (rows[0][first - 1], rows[1][other - 1]);
         println!("breakage {event}: {:?} and {:?} kPa and strain", &here[3..], &there[3..]);
         assert!((here[4] - there[4]).abs() < 5e-5 && (here[3] / there[3] - 1.0).abs() < 0.01);
-        // a chain of four lets go
+        // one of two chains lets go
         let after = rows[1][other..].iter().take(5).map(|r| r[3]).fold(f64::INFINITY, f64::min);
         assert!(after < 0.95 * rows[1][other - 1][3], "{after} kPa after {:?}", rows[1][other - 1]);
     }
@@ -347,10 +347,10 @@ fn lost_mass_becomes_points() {
         return;
     }
     let folder = tempfile::tempdir().expect("folder");
-    let weak = "materials.coarse.strength.fixed_angle.sigma_lim0_MPa=1500";
-    let sets = [&PLAIN[..], &["test.axial_strain=0.0054", "records.rows=1000", "crushing.lost_mass=points", weak]].concat();
+    let weak = "materials.coarse.strength.fixed_angle.sigma_lim0_MPa=2500";
+    let sets = [&PLAIN[..], &["test.axial_strain=0.0058", "records.rows=1000", "crushing.lost_mass=points", weak]].concat();
     let [cpu, gpu, parts] = ["cpu", "gpu", "parts"].map(|name| folder.path().join(name));
-    run(CHAINS, &cpu, &sets, &["--stop-after", "420"]).assert().code(130);
+    run(CHAINS, &cpu, &sets, &["--stop-after", "430"]).assert().code(130);
     [&gpu, &parts].into_iter().for_each(|out| copy(&cpu, out));
     resume(&cpu, &[]).success();
     resume(&gpu, &["--backend", "gpu"]).success();
@@ -400,17 +400,17 @@ fn grains_in_a_shell_are_those_of_the_cpu() {
     }
     let folder = tempfile::tempdir().expect("folder");
     let scene = "../tests/gpu/cylinder";
-    let sets = ["test.axial_strain=0.0006", "records.rows=5000", "damping.local=0.0", "stepping.dt_s=4e-6"];
+    let sets = ["test.axial_strain=0.0004", "records.rows=5000", "damping.local=0.0", "stepping.dt_s=4e-6"];
     let outs = both(folder.path(), scene, &sets, "300");
     let [axial, lateral, contacts, kinetic] =
         ["sigma_v_kPa", "sigma_h_kPa", "sigma_zz_of_contacts_kPa", "coarse_kinetic_J"].map(|c| apart(&outs, "time_s", c));
     println!("mixture in a shell: σv {axial:e}, σh {lateral:e}, contacts {contacts:e}, kinetic energy of grains {kinetic:e}");
     let [[on_shell], [axial_strain]] = [["platen_contacts"], ["axial_strain"]].map(|c| *columns(&outs[1], c).last().expect("rows"));
-    assert!(on_shell >= 2.0 && axial_strain > 0.00055, "{on_shell} {axial_strain}");
+    assert!(on_shell >= 2.0 && axial_strain > 0.00035, "{on_shell} {axial_strain}");
     assert!(axial < 6e-5 && lateral < 9e-5 && contacts < 5e-6 && kinetic < 1e-6);
 
     let [whole, parts] = ["whole", "parts"].map(|name| folder.path().join(name));
-    let sets = [&PLAIN[..], &["test.axial_strain=0.0003"]].concat();
+    let sets = [&PLAIN[..], &["test.axial_strain=0.0002", "stepping.safety=0.9"]].concat();
     run(scene, &whole, &sets, &["--backend", "gpu"]).assert().success();
     run(scene, &parts, &sets, &["--backend", "gpu", "--stop-after", "151"]).assert().code(130);
     resume(&parts, &[]).success();

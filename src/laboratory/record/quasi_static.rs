@@ -80,12 +80,13 @@ impl Held {
         self.platens_sum / self.steps.max(1) as f64
     }
 
-    /// Whether the platens' stresses have differed by no more than the level allows.
-    pub fn keeps(&self, level: &Level) -> bool {
-        match level.promise.platens {
+    /// Whether the platens' stresses have differed by no more than the level allows; nobody knows where no step counts.
+    pub fn keeps(&self, level: &Level) -> Option<bool> {
+        let within = match level.promise.platens {
             Platens::Largest(most) => self.platens <= most,
             Platens::Mean(most) => self.mean_platens() <= most,
-        }
+        };
+        (self.steps > 0).then_some(within)
     }
 
     /// The entry `accuracy` of `summary.json`: what the level promises, and whether the platens have been as close to balance as that asks for.
@@ -123,12 +124,15 @@ mod tests {
         let mut held = Held::default();
         held.look(&now(1e4, true), &stresses(1e4, 1e4));
         assert_eq!(held, Held::default());
+        let [draft, standard] = ["draft", "standard"].map(|word| Level::of("isotropic", word).expect("a level"));
+        assert_eq!(held.keeps(draft), None);
         for (sigma, waits) in [(1e6, false), (0.7e6, true), (0.8e6, true), (0.99e6, false), (0.9e6, true)] {
             held.look(&now(sigma, waits), &stresses(1.02 * sigma, 0.98 * sigma));
         }
         let s = held.summary();
         assert!((s["largest_distance_from_target"].as_f64().unwrap() - 0.3).abs() < 1e-12);
         assert!((s["largest_platen_difference"].as_f64().unwrap() - 0.04).abs() < 1e-12);
+        assert_eq!([draft, standard].map(|level| held.keeps(level)), [Some(true), Some(false)]);
         assert_eq!((s["waited_steps"].as_u64(), s["longest_wait_steps"].as_u64()), (Some(3), Some(2)));
     }
 }

@@ -135,7 +135,7 @@ const GROWN: f64 = 0.25;
 /// `summary.json`, whose bytes the golden runs compare.
 fn warnings(recorder: &Recorder, growth: f64, accuracy: Option<&Level>) -> Vec<String> {
     let mut warnings = recorder.broken.warnings();
-    if let Some(level) = accuracy.filter(|level| !recorder.held.keeps(level)) {
+    if let Some(level) = accuracy.filter(|level| recorder.held.keeps(level) == Some(false)) {
         warnings.push(format!(
             "the stresses on the platens differed by more than {} that accuracy = \"{}\" allows: load more slowly, or ask for more accuracy",
             level.promise.platens.in_words(),
