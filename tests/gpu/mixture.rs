@@ -410,7 +410,7 @@ fn grains_in_a_shell_are_those_of_the_cpu() {
     assert!(axial < 6e-5 && lateral < 9e-5 && contacts < 5e-6 && kinetic < 1e-6);
 
     let [whole, parts] = ["whole", "parts"].map(|name| folder.path().join(name));
-    let sets = [&PLAIN[..], &["test.axial_strain=0.0002", "stepping.safety=0.9"]].concat();
+    let sets = [&PLAIN[..], &["test.axial_strain=0.0002"]].concat();
     run(scene, &whole, &sets, &["--backend", "gpu"]).assert().success();
     run(scene, &parts, &sets, &["--backend", "gpu", "--stop-after", "151"]).assert().code(130);
     resume(&parts, &[]).success();
