@@ -280,13 +280,15 @@ fn in_queue<'a>(arrays: &[Array], entries: &'a Entries, out: &Path) -> Option<&'
 fn taken_away(state: Option<&str>, code: Option<i32>) -> bool {
     match state {
         Some("TIMEOUT" | "PREEMPTED" | "NODE_FAIL" | "BOOT_FAIL") => true,
-        Some("FAILED") => code == Some(STOPPED),
+        Some("FAILED") => matches!(code, Some(STOPPED | TERMINATED)),
         _ => false,
     }
 }
 
 /// Exit code of a run that was told to stop.
 const STOPPED: i32 = 130;
+/// That of a shell whose run the same signal (SIGTERM) ended before it listened to signals.
+const TERMINATED: i32 = 128 + 15;
 
 /// Whether a run has written a checkpoint since the array was submitted.
 fn got_further(out: &Path, array: &Array) -> bool {
@@ -381,6 +383,7 @@ mod tests {
             (Some("TIMEOUT"), Some(130), true),
             (Some("NODE_FAIL"), None, true),
             (Some("FAILED"), Some(130), true),
+            (Some("FAILED"), Some(143), true),
             (Some("CANCELLED"), Some(130), false),
             (Some("FAILED"), Some(3), false),
             (Some("FAILED"), Some(137), false),
