@@ -125,6 +125,7 @@ impl Canvas {
         let file = table::create(path).map_err(|e| FigureError::draw(path, e))?;
         let mut encoder = png::Encoder::new(std::io::BufWriter::new(file), w as u32, h as u32);
         encoder.set_color(png::ColorType::Rgb);
+        encoder.set_compression(png::Compression::Fast);
         encoder
             .write_header()
             .and_then(|mut image| image.write_image_data(&coarse).and_then(|()| image.finish()))

@@ -123,7 +123,7 @@ fn cylinders_are_those_of_the_cpu() {
     let outs = crate::mixture::both(
         folder.path(),
         "triaxial_cylinder",
-        &[&small[..], &finely, &["test.axial_strain=0.006"]].concat(),
+        &[&small[..], &finely, &["test.axial_strain=0.0045"]].concat(),
         "300",
     );
     let q = apart(&outs, "axial_strain", "q_kPa");

@@ -454,7 +454,7 @@ fn every_breakage_is_near_the_stress_of_a_row(control: &str) {
     let out = folder.path().join(control);
     let sets = [
         &format!("loading.control={control:?}"),
-        "loading.max_stress_kPa=1500",
+        "loading.max_stress_kPa=1000",
         "crushing.birth=gradual",
         "crushing.lost_mass=grow",
         "material.strength.fixed_angle.sigma_lim0_MPa=100",
@@ -513,7 +513,7 @@ fn snapshots_say_what_grains_bear_and_whose_they_are() {
     run.current_dir(env!("CARGO_MANIFEST_DIR"));
     run.args(["run", "experiments/calibration/coke_small.toml", "--threads", "1", "--quiet", "--out"]).arg(&out);
     for set in [
-        "loading.max_stress_kPa=800",
+        "loading.max_stress_kPa=600",
         "loading.stages_kPa=[100]",
         "material.strength.fixed_angle.sigma_lim0_MPa=100",
         "records.contacts=true",

@@ -70,12 +70,13 @@ fn void_ratio_is_that_of_all_dry_mass_and_a_run_ends_below_the_least() {
 fn a_run_stops_itself_where_solids_fill_more_than_the_whole_volume() {
     let folder = tempfile::tempdir().expect("folder");
     let scene = folder.path().join("scene.toml");
-    fs::write(&scene, oedometer_text(120, 250.0, "")).expect("scene");
+    fs::write(&scene, oedometer_text(70, 215.0, "")).expect("scene");
     let weak = [
         "crushing.enabled=true",
         "material.strength.fixed_angle.sigma_lim0_MPa=20",
         "material.grain.internal_porosity=0",
         "records.snapshots=false",
+        "specimen.diameter_mm=150",
     ];
     let out = folder.path().join("stopped");
     let mut command = Command::cargo_bin("comminute").expect("the program");
@@ -111,7 +112,7 @@ fn a_run_stops_itself_where_solids_fill_more_than_the_whole_volume() {
 
     // stronger grains keep their voids, and nothing is said
     let strong = folder.path().join("strong");
-    run(&scene, &strong, &["crushing.enabled=true", "material.grain.internal_porosity=0", "records.snapshots=false"]);
+    run(&scene, &strong, &[&weak[..1], &weak[2..]].concat());
     assert!(column(&strong, "void_ratio_star").iter().all(|e| *e > 0.0));
     assert!(read_summary(&strong)["without_voids"].is_null());
 }

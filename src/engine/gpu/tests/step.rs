@@ -536,7 +536,7 @@ fn a_wide_domain_has_memory_where_points_are() {
     let start = cpu.points().clone();
     let mut gpu = DeviceContinuum::new(&cpu).expect("device");
     assert!(gpu.bytes() < 100_000_000, "{} bytes", gpu.bytes());
-    let (dt, n) = (1e-2, 200);
+    let (dt, n) = (1e-2, 120);
     let mut reloads = 0;
     while gpu.steps_done() < n {
         gpu.steps(40, dt).expect("steps");
