@@ -118,12 +118,12 @@ fn a_mixture_resumes_to_the_byte() {
         return;
     }
     let folder = tempfile::tempdir().expect("folder");
-    let sets = [&PLAIN[..], &["test.axial_strain=0.0002", "records.rows=10", "stepping.safety=0.9"]].concat();
+    let sets = [&PLAIN[..], &["test.axial_strain=0.00013", "records.rows=10", "stepping.safety=0.9"]].concat();
     let [whole, parts] = ["whole", "parts"].map(|name| folder.path().join(name));
     // on one thread of a software adapter, and on as many as it has
     run(TWIN, &whole, &sets, &["--backend", "gpu"]).env("LP_NUM_THREADS", "1").assert().success();
     run(TWIN, &parts, &sets, &["--backend", "gpu", "--stop-after", "70"]).assert().code(130);
-    resume(&parts, &["--stop-after", "201"]).code(130);
+    resume(&parts, &["--stop-after", "121"]).code(130);
     resume(&parts, &[]).success();
     same_files(&whole, &parts);
     let bytes = |out: &Path| std::fs::read(out.join("grains_final.csv")).expect("grains");
@@ -410,9 +410,9 @@ fn grains_in_a_shell_are_those_of_the_cpu() {
     assert!(axial < 6e-5 && lateral < 9e-5 && contacts < 5e-6 && kinetic < 1e-6);
 
     let [whole, parts] = ["whole", "parts"].map(|name| folder.path().join(name));
-    let sets = [&PLAIN[..], &["test.axial_strain=0.0002"]].concat();
+    let sets = [&PLAIN[..], &["test.axial_strain=0.0001"]].concat();
     run(scene, &whole, &sets, &["--backend", "gpu"]).assert().success();
-    run(scene, &parts, &sets, &["--backend", "gpu", "--stop-after", "151"]).assert().code(130);
+    run(scene, &parts, &sets, &["--backend", "gpu", "--stop-after", "81"]).assert().code(130);
     resume(&parts, &[]).success();
     same_files(&whole, &parts);
 }
