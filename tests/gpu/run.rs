@@ -41,7 +41,7 @@ fn of(outs: &[std::path::PathBuf; 2], key: &str) -> f64 {
     (gpu / cpu - 1.0).abs()
 }
 
-/// Rung 4: 512 points, the first percent of strain of Li's fine soil at 50 kPa. Measured: q 1.7e-5 of the largest, volumetric strain 2e-6, σ1/σ3 at the end 4e-4
+/// Rung 4: 512 points, most of the first percent of strain of Li's fine soil at 50 kPa. Measured: q 1.7e-5 of the largest, volumetric strain 2e-6, σ1/σ3 at the end 4e-4
 /// (where the last row is a step later).
 #[test]
 fn the_first_percent_of_a_triaxial_test_is_that_of_the_cpu() {
@@ -49,7 +49,7 @@ fn the_first_percent_of_a_triaxial_test_is_that_of_the_cpu() {
         return;
     }
     let folder = tempfile::tempdir().expect("folder");
-    let outs = both(folder.path(), "triaxial_fine_small", &[]);
+    let outs = both(folder.path(), "triaxial_fine_small", &["test.axial_strain=0.006"]);
     let q = apart(&outs, "axial_strain", "q_kPa");
     let volume = apart(&outs, "axial_strain", "volumetric_strain");
     let (peak, end) = (of(&outs, "peak_stress_ratio"), of(&outs, "peak_axial_strain"));

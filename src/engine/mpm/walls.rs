@@ -187,8 +187,11 @@ impl Walls {
     fn fold(&mut self, reaction: &mut [[f64; 3]; 6], held: bool) {
         let (p, i) = (&mut self.momentum, &mut self.impulse);
         for (face, reaction) in self.faces.iter_mut().zip(&mut *reaction).filter(|(face, _)| !face.rubs()) {
+            // most rows of a block of nodes are empty
             for triple in &face.triples {
-                face.hold(*triple, p, i, reaction);
+                if triple.iter().any(|&k| k != NONE && p[k as usize][3] > 0.0) {
+                    face.hold(*triple, p, i, reaction);
+                }
             }
             face.contact.fill(true);
         }
