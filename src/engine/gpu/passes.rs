@@ -1,4 +1,4 @@
-//! The compute pipelines, one for each entry point of the shaders; `plan.rs` has their order in a step.
+//! The compute pipelines, one for each entry point of the shaders that a run uses; `plan.rs` has their order in a step.
 
 use super::bounds::BORDERS;
 use super::buffers::Buffers;
@@ -10,32 +10,11 @@ use super::shader::Uses;
 use super::{grains, shader};
 use crate::mpm::LoadingPlate;
 
-/// Entry points of all continua.
-const NAMES: [&str; 15] = [
-    "plate_forces",
-    "plate_loads",
-    "drive",
-    "survey",
-    "deposit",
-    "press_nodes",
-    "project",
-    "accelerate",
-    "walls_project",
-    "walls_accelerate",
-    "advance",
-    "find_starts",
-    "scatter",
-    "strain",
-    "finish",
-];
-
-/// Entry points for grains.
-const OF_GRAINS: [&str; 6] = ["move_grains", "build_grid", "candidates", "point_contact_forces", "grain_forces", "step_bound"];
-
 /// The pipelines, and the buffers that they are bound to.
 #[derive(Clone)]
 pub struct Passes {
-    pipelines: Vec<wgpu::ComputePipeline>,
+    /// With the names of their entry points.
+    pipelines: Vec<(&'static str, wgpu::ComputePipeline)>,
     /// Bindings of the state and of grains.
     layouts: [wgpu::BindGroupLayout; 2],
     /// Buffers bound for the shaders: of the state, then of grains where there are some.
@@ -43,7 +22,7 @@ pub struct Passes {
 }
 
 impl Passes {
-    /// Compiles the pipelines for these walls, laws and loading plates, with or without those for grains. `shells`: one of the plates or of the grains' walls is a shell.
+    /// Compiles the pipelines that runs with these walls, laws and loading plates use, with or without grains. `shells`: one of the plates or of the grains' walls is a shell.
     pub fn new(
         device: &Device,
         grains: Option<&CoarseGrains<'_>>,
@@ -92,17 +71,18 @@ impl Passes {
             label: Some("step"),
             source: wgpu::ShaderSource::Wgsl(source.into()),
         });
-        let pipeline = |name: &&str| {
-            device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+        let pipeline = |name: &'static str| {
+            let described = wgpu::ComputePipelineDescriptor {
                 label: Some(name),
                 layout: Some(&common),
                 module: &module,
                 entry_point: Some(name),
                 compilation_options: wgpu::PipelineCompilationOptions::default(),
                 cache: None,
-            })
+            };
+            (name, device.create_compute_pipeline(&described))
         };
-        let pipelines = NAMES.iter().chain(if grains.is_some() { &OF_GRAINS[..] } else { &[] }).map(pipeline).collect();
+        let pipelines = plan::passes(walls, !plates.is_empty(), grains.is_some()).into_iter().map(pipeline).collect();
         Passes { pipelines, layouts, bound: Vec::new() }
     }
 
@@ -126,8 +106,8 @@ impl Passes {
 
     /// Records `times` times these dispatches, each of which waits for the one before it.
     pub fn encode(&self, pass: &mut wgpu::ComputePass<'_>, dispatches: &[Dispatch], times: u64) {
-        let place = |name: &str| NAMES.iter().chain(&OF_GRAINS).position(|n| *n == name).expect("a pass");
-        let all: Vec<_> = dispatches.iter().map(|d| (&self.pipelines[place(d.pass)], d.groups)).collect();
+        let of = |pass: &str| &self.pipelines.iter().find(|(name, _)| *name == pass).expect("a pass of the plan").1;
+        let all: Vec<_> = dispatches.iter().map(|d| (of(d.pass), d.groups)).collect();
         for (index, group) in (0..).zip(&self.bound) {
             pass.set_bind_group(index, group, &[]);
         }

@@ -137,6 +137,20 @@ impl Extent {
     }
 }
 
+/// The passes that runs with these walls use, with or without loading plates and grains, each once.
+pub fn passes(walls: &[u32; BORDERS], plates: bool, grains: bool) -> Vec<&'static str> {
+    // a run may find by itself that its grains need several steps
+    let grains = grains.then_some(GrainExtent { grains: 1, rows: 1, rates: 2 });
+    let extent = Extent { points: 1, blocks: [1; 2], size: [1; 3], walls: *walls, plates: plates.into(), grains };
+    let mut all = Vec::new();
+    for dispatch in [extent.prepare(), extent.begin(), extent.step()].concat() {
+        if !all.contains(&dispatch.pass) {
+            all.push(dispatch.pass);
+        }
+    }
+    all
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -152,5 +166,13 @@ mod tests {
         assert_eq!([count(1, 0, None), count(RUBS, 0, None), count(0, 6, None), count(2, 1, None)], [9, 11, 10, 10]);
         assert_eq!([1, 2, 5].map(|rates| count(0, 0, Some(rates))), [13, 19, 37]);
         assert_eq!(count(0, 6, Some(1)), 14);
+    }
+
+    #[test]
+    fn a_run_has_the_passes_that_it_uses() {
+        let [alone, rubbed, all] = [(1, false, false), (RUBS, false, false), (RUBS, true, true)]
+            .map(|(wall, plates, grains)| passes(&[wall; 6], plates, grains));
+        assert_eq!([alone.len(), rubbed.len(), all.len()], [10, 12, 21]);
+        assert!(!alone.contains(&"walls_project") && rubbed.contains(&"walls_project") && all.contains(&"move_grains"));
     }
 }
