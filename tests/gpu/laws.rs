@@ -77,7 +77,7 @@ fn dilation_ends_with_softening_as_on_the_cpu() {
 }
 
 /// Modified Cam-clay in an oedometer from below its preconsolidation pressure, and in triaxial compression: drained and undrained from the virgin line, and drained where it
-/// dilates. Measured, of the largest value: stresses in the oedometer 2e-6; q 2.6e-5, p 9e-6 drained; q 1.3e-4, p 2.6e-5 undrained, in the vibrations of the start, which differ
+/// dilates. Measured, of the largest value: stresses in the oedometer 1.2e-6; q 2.8e-5, p 9e-6 drained; q 1.3e-4, p 2.6e-5 undrained, in the vibrations of the start, which differ
 /// in phase and die away; q 4.4e-5, p 3e-5 where it dilates.
 #[test]
 fn clays_are_those_of_the_cpu() {
