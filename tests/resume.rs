@@ -264,7 +264,7 @@ fn figures_are_drawn_by_the_next_call_when_a_run_was_killed_while_it_drew_them()
     let complete = folder().join("drawn");
     assert!(run(&complete).status().expect("start").success());
     assert!(names(&complete).iter().filter(|name| name.starts_with("figures/")).count() > 10);
-    for (name, resume) in [("killed_drawing", true), ("killed_drawing_continued", false)] {
+    let killed_and_called_again = |name: &str, resume: bool| {
         let dir = folder().join(name);
         // the signal may come when the run has just been finished: then once more
         let killed = (0..20).any(|_| {
@@ -289,7 +289,8 @@ fn figures_are_drawn_by_the_next_call_when_a_run_was_killed_while_it_drew_them()
         assert!(done.status.success(), "{name}: {}", String::from_utf8_lossy(&done.stderr));
         assert_eq!(names(&dir), names(&complete), "{name}");
         assert_eq!(resumed(&dir).0, Some(2), "now the run is finished");
-    }
+    };
+    rayon::join(|| killed_and_called_again("killed_drawing", true), || killed_and_called_again("killed_drawing_continued", false));
 }
 
 /// `--force` overwrites runs and nothing else: a folder of somebody else is left as it is.
