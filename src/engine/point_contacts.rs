@@ -46,6 +46,11 @@ impl Age {
         Some(self.skin)
     }
 
+    /// Skin of the present list, m.
+    pub fn skin(&self) -> f64 {
+        self.skin
+    }
+
     /// Whether the list may stand as it is at the next call of [`Self::due`], with so many bodies and points.
     pub fn may_stand(&self, alive: [usize; 2]) -> bool {
         self.searched == alive

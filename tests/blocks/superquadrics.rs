@@ -11,7 +11,7 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 /// A superquadric as TOML.
-fn superquadric(size: [f64; 3], blockiness: [f64; 2], at: [f64; 3], more: &str) -> String {
+pub fn superquadric(size: [f64; 3], blockiness: [f64; 2], at: [f64; 3], more: &str) -> String {
     format!("[[block]]\nshape = \"superquadric\"\nsize_mm = {size:?}\nblockiness = {blockiness:?}\nposition_mm = {at:?}\n{more}\n")
 }
 

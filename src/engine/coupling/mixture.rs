@@ -485,7 +485,7 @@ impl Mixture {
         if let Some(blocks) = &mut self.blocks {
             let fastest = blocks.fastest();
             let way = dt * (point.max(grain).max(wall).max(fastest) + fastest);
-            blocks.update(grains, &self.grains.walls, continuum, way)?;
+            blocks.update(grains, &self.grains.walls, continuum, way, ahead[0])?;
             blocks.evaluate(&rigid_scene(&self.grains, parts, dt, ahead), true);
         }
         Ok(())

@@ -321,9 +321,8 @@ impl Blocks {
         let fate = breaking.bodies[k];
         let touches = |c: &super::BlockContact| c.block as usize == k || c.other.partner_body() == Some(k as u32);
         let stored = self.touching().filter(|c| touches(c)).map(|c| c.energy(energy_factor)).sum();
-        self.candidates.retain(|c| !touches(c));
-        self.sleepers.forget();
-        self.age.forget();
+        self.contacts.retain(|c| !touches(c));
+        self.forget_list();
         let (new, generation) = (self.blocks.len() as u32, fate.generation.saturating_add(1));
         let numbers: Vec<u32> = std::iter::once(k as u32).chain(new..).take(made.len()).collect();
         let event = Breakage {

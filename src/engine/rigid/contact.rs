@@ -1,7 +1,9 @@
 //! Forces of all contacts of rigid bodies, and their addition to bodies, grains, points and walls.
 
-use super::pair::{Meeting, Outline, Overlap, Site, corner_on_facets, meeting};
-use super::sleep::gap_at;
+use super::list::Contacts;
+use super::near::Near;
+use super::pair::{DEEPEST, Meeting, Outline, Overlap, Site, corner_on_facets, meeting};
+use super::ways::gap_at;
 use super::{Block, Blocks, Pose};
 use crate::boundary::Wall;
 use crate::contact::force::{self, ContactGeometry, ContactHistory, RelativeMotion, Rules};
@@ -18,7 +20,7 @@ use crate::shape::{Meet, Nearest};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-/// Candidates of one parallel task; the nearest point of a superquadric takes some microseconds.
+/// Contacts with points, grains and walls, or pairs of bodies, of one parallel task; the nearest point of a superquadric takes some microseconds.
 const TASK: usize = 32;
 
 /// The other side of a body's contact.
@@ -75,6 +77,9 @@ pub struct BlockContact {
     pub(super) face: Option<GhostFace>,
     /// Overlap, m, without a force: that with which a piece of a broken body was born, less where the two have moved apart since. Infinite until it is first known.
     pub(super) reference: f64,
+    /// Whether it was too deep when it was last looked at.
+    #[serde(skip)]
+    pub(super) too_deep: bool,
 }
 
 impl Other {
@@ -113,7 +118,13 @@ impl BlockContact {
             beside: [none; 2],
             face: None,
             reference: 0.0,
+            too_deep: false,
         }
+    }
+
+    /// Whether it is of this site and facet of two bodies.
+    pub(super) fn is_at(&self, at: Site, facet: u32) -> bool {
+        matches!(self.other, Other::Block { site, .. } if site == at) && self.facet == facet
     }
 
     /// What tells it from other contacts, and by which they are sorted.
@@ -144,6 +155,25 @@ impl BlockContact {
     pub(super) fn torque_about(&self, blocks: &[Block], second: usize) -> [f64; 3] {
         let between = less(blocks[self.block as usize].centre, blocks[second].centre);
         plus(self.torque(), cross(between, self.force()))
+    }
+
+    /// Whether a body is so deep in the other that the direction of their force would be lost, or a sphere about to pass through a sheet.
+    fn is_too_deep(&self, bodies: &[PosedBlock<'_>]) -> bool {
+        self.reference.is_finite() && self.touch.overlap + self.reference > self.deepest(bodies)
+    }
+
+    /// Largest overlap, m, at which it can be computed.
+    fn deepest(&self, bodies: &[PosedBlock<'_>]) -> f64 {
+        let radius = |k: u32| bodies[k as usize].outline.map_or(f64::INFINITY, |outline| outline.body.rounding());
+        match self.other {
+            Other::Block { block, .. } => DEEPEST * (radius(self.block) + radius(block)),
+            Other::Grain(_) | Other::Point(_) => {
+                let reach = self.radius + self.face.map_or(0.0, |face| face.beyond);
+                let sheet = bodies[self.block as usize].block.solid().sheet();
+                sheet.map_or(f64::INFINITY, |sheet| DEEPEST * (reach + sheet.rounding()))
+            }
+            Other::Wall { .. } => f64::INFINITY,
+        }
     }
 
     pub(super) fn is_of_point(&self) -> bool {
@@ -198,22 +228,32 @@ impl Blocks {
             return;
         }
         let rules = Rules { dt: scene.dt, unloading: scene.unloading, weighs_radius: true, task: TASK, arch: pulp::Arch::Scalar };
-        let Blocks { blocks, outlines, candidates, sleepers, .. } = self;
+        let Blocks { blocks, outlines, contacts, .. } = self;
         let bodies = posed(blocks, outlines, scene.ahead[0]);
-        sleepers.follow(&bodies, candidates);
+        let Contacts { others, pairs, ways, .. } = contacts;
+        ways.follow(&bodies);
         if bodies.iter().any(|body| body.block.solid().facets() > 1) {
-            let groups = candidates.par_chunk_by_mut(|a, b| (a.block, a.other) == (b.block, b.other));
+            let same = |a: &BlockContact, b: &BlockContact| (a.block, a.other) == (b.block, b.other);
+            let groups = others.par_chunk_by_mut(same);
             groups.filter(|group| group[0].is_of_point() == points).for_each(|group| pass_on(scene, &bodies, group));
+            if !points {
+                let of_pair = |pair: &mut Near| pair.contacts.chunk_by_mut(same).for_each(|group| pass_on(scene, &bodies, group));
+                pairs.par_iter_mut().with_min_len(TASK).for_each(of_pair);
+            }
         }
         with_law!(scene.law, L => {
-            let (sleepers, ways, due) = sleepers.open(points);
-            let looked_at = candidates.par_iter_mut().zip(sleepers).with_min_len(TASK);
-            looked_at.filter(|(_, sleeper)| due(sleeper)).for_each(|(contact, sleeper)| {
-                let gap = touch::<L>(scene, &rules, &bodies, contact);
-                sleeper.note(contact.touch.overlap > 0.0, gap, ways);
-            });
+            let look = |c: &mut BlockContact| {
+                let gap = touch::<L>(scene, &rules, &bodies, c);
+                c.too_deep = c.is_too_deep(&bodies);
+                gap
+            };
+            let looked_at = others.par_iter_mut().with_min_len(TASK).filter(|c| c.is_of_point() == points);
+            looked_at.for_each(|c| _ = look(c));
+            if !points {
+                pairs.par_iter_mut().with_min_len(TASK).for_each(|pair| pair.look(ways.of(pair.bodies), look));
+            }
         });
-        self.sleepers.list();
+        contacts.list();
     }
 
     /// Moves the faces of points with the nodes, after a step of the continuum of `dt` seconds.
@@ -222,7 +262,7 @@ impl Blocks {
             return;
         }
         self.locate(grains, continuum);
-        for c in &mut self.candidates {
+        for c in &mut self.contacts.others {
             if let Some(face) = &mut c.face {
                 face.follow(continuum, c.place as usize, [c.radius, c.touch.overlap], dt);
             }
@@ -231,13 +271,13 @@ impl Blocks {
 
     /// Contacts that touch, in the order of the list.
     pub fn touching(&self) -> impl Iterator<Item = &BlockContact> {
-        self.sleepers.touching(&self.candidates)
+        self.contacts.touching()
     }
 
     /// Adds `of_blocks` times the force of each contact with a point to its body, and `of_points` times the opposite force, with `stiff` times the larger
     /// tangent stiffness, to the face of the point.
     pub fn apply_point_reactions(&mut self, of_blocks: f64, continuum: &mut Continuum, [of_points, stiff]: [f64; 2]) {
-        for c in self.sleepers.touching(&self.candidates).filter(|c| c.is_of_point()) {
+        for c in self.contacts.touching().filter(|c| c.is_of_point()) {
             let (force, [k_n, k_t]) = (c.force(), c.stiffness);
             let (push, stiffness) = (force.map(|f| -(of_points * f)), stiff * k_n.max(k_t));
             GhostFace::push(c.face, [c.radius, c.touch.overlap], continuum, c.place as usize, push, stiffness);
@@ -248,7 +288,7 @@ impl Blocks {
     /// Adds the forces of contacts with grains, walls and other bodies to bodies and to `external_forces` (force, N, and torque, N m, by index of the grain).
     pub fn apply_grain_and_wall_reactions(&mut self, grains: &Grains, external_forces: &mut Vec<[[f64; 4]; 2]>) {
         external_forces.resize(grains.len(), [[0.0; 4]; 2]);
-        for c in self.sleepers.touching(&self.candidates).filter(|c| !c.is_of_point()) {
+        for c in self.contacts.touching().filter(|c| !c.is_of_point()) {
             add_force_and_torque(&mut self.applied[c.block as usize], c, 1.0);
             match c.other {
                 Other::Grain(_) => {
@@ -294,10 +334,10 @@ impl Blocks {
         of_points.resize(points, 0.0);
         of_grains.resize(grains.len(), 0.0);
         let mut most = ContactRates { grains: by_joints, ..ContactRates::default() };
-        if self.first_touch > 0.0 && self.candidates.iter().any(BlockContact::is_of_point) {
+        if self.first_touch > 0.0 && self.contacts.others.iter().any(BlockContact::is_of_point) {
             most.points = self.first_touch;
         }
-        let touching = self.sleepers.touching(&self.candidates);
+        let touching = self.contacts.touching();
         for c in touching.clone() {
             let ([k_n, k_t], i) = (c.stiffness.map(|k| c.share * k), c.place as usize);
             let k = k_n.max(k_t);

@@ -20,11 +20,13 @@ mod contact;
 mod drive;
 mod joint;
 mod laps;
+mod list;
 mod measure;
 pub mod motion;
+mod near;
 mod pair;
 mod search;
-mod sleep;
+mod ways;
 
 pub use breaking::{Breakage, Breaking, Fate, LEAST, MOST_LOST, parts_of};
 pub use contact::{BlockContact, BlockScene, Other};
@@ -41,9 +43,9 @@ use crate::math::vector::plus;
 use crate::mpm::Continuum;
 use crate::point_contacts::Age;
 use crate::shape::{Shape, Solid};
+use list::Contacts;
 use pair::Outline;
 use serde::{Deserialize, Serialize};
-use sleep::Sleepers;
 
 /// A rigid body and its state. Velocity and angular momentum are those of the last half step (leapfrog).
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -127,8 +129,8 @@ impl Block {
 pub struct Blocks {
     /// The bodies.
     pub blocks: Vec<Block>,
-    /// Points, grains, walls and other bodies near the bodies, touching or not, sorted by body, then points, grains, spots on walls and bodies of higher index.
-    pub candidates: Vec<BlockContact>,
+    /// Their contacts, touching or near.
+    contacts: Contacts,
     /// Radius with which points touch bodies, m; `None`: that of their ghosts.
     point_radius: Option<f64>,
     /// Square of the angular frequency, 1/s², that the first touch of a point has, by a contact law whose stiffness does not begin at zero.
@@ -144,9 +146,9 @@ pub struct Blocks {
     /// What other bodies touch of each body; made when it is first needed.
     #[serde(skip)]
     outlines: Vec<Outline>,
-    /// Which candidates have to be looked at.
+    /// Number of updates of the list in this process.
     #[serde(skip)]
-    sleepers: Sleepers,
+    looks: u64,
     /// Buffers: index by identity, of grains and of points.
     #[serde(skip)]
     index: [Vec<u32>; 2],
@@ -200,9 +202,11 @@ impl Blocks {
         let with_points = |b: &Blocks| (b.point_radius, b.first_touch);
         ensure(with_points(self) == with_points(made), || "points touch rigid bodies in another way than in the scene".into())?;
         check::numbers("forces on rigid bodies", self.applied.as_flattened().as_flattened())?;
-        let sorted = self.candidates.windows(2).all(|w| w[0].key() < w[1].key());
-        ensure(sorted, || "contacts of rigid bodies are not in their order".into())?;
-        for c in &self.candidates {
+        self.contacts.check()?;
+        for pair in &self.contacts.pairs {
+            below("a rigid body is near body", pair.bodies[1], n)?;
+        }
+        for c in self.contacts.all() {
             below("rigid body", c.block, n)?;
             if matches!(c.other, Other::Point(_) | Other::Grain(_)) {
                 below("facet of a rigid body", c.facet, self.blocks[c.block as usize].solid().facets())?;
@@ -280,8 +284,6 @@ impl Blocks {
     /// Memory in use, bytes.
     pub fn bytes(&self) -> usize {
         let index: usize = self.index.iter().map(|i| 4 * i.capacity()).sum();
-        self.candidates.capacity() * (size_of::<BlockContact>() + Sleepers::BYTES)
-            + self.blocks.capacity() * size_of::<Block>()
-            + index
+        self.contacts.bytes() + self.blocks.capacity() * size_of::<Block>() + index
     }
 }

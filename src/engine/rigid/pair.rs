@@ -15,7 +15,7 @@
 
 use super::contact::PosedBlock;
 use crate::math::vector::{cross, dot, less, plus, scaled};
-use crate::shape::{Meet, Nearest, PlacedSmooth, Rounded, Shape, Tangent, apart, tangent};
+use crate::shape::{Apart, Meet, Nearest, PlacedSmooth, Rounded, Shape, Tangent, apart, tangent};
 use serde::{Deserialize, Serialize};
 
 /// A part of each of two bodies that may touch. Numbers are those of corners and edges of their hulls.
@@ -50,8 +50,7 @@ impl Outline {
 
     /// Whether contacts of the two are known: a superquadric touches convex bodies in space only.
     pub fn touches(&self, other: &Outline) -> bool {
-        let convex = |of: &Outline| of.body.core([1.0, 0.0, 0.0]).is_some();
-        (!self.body.is_smooth() || convex(other)) && (!other.body.is_smooth() || convex(self))
+        (!self.body.is_smooth() || other.body.is_convex()) && (!other.body.is_smooth() || self.body.is_convex())
     }
 }
 
@@ -204,11 +203,7 @@ fn nearest(
     }
     let length = dot(away, away).sqrt();
     let start = was.unwrap_or_else(|| if length > 0.0 { scaled(away, 1.0 / length) } else { [1.0, 0.0, 0.0] });
-    // places from the centre of the first
-    let core = |of: &Outline, body: &PosedBlock<'_>, towards: [f64; 3]| {
-        body.pose.outwards(of.body.core(body.pose.inwards(towards)).unwrap_or_default())
-    };
-    let cores = |rough: f64| apart(|n| core(a, first, n), |n| plus(away, core(b, second, n)), start, [r + s + gap, rough]);
+    let cores = |rough: f64| cores_apart([first, second], [a, b], start, [r + s + gap, rough]);
     if both.is_some() {
         let about = cores(ROUGH)?;
         if let Some(found) = by_newton(about.normal) {
@@ -219,6 +214,32 @@ fn nearest(
     let depth = r + s - found.distance;
     let on_first = plus(first.pose.centre, found.on_first);
     Some(Overlap { normal: found.normal, depth, at: plus(on_first, scaled(found.normal, r - 0.5 * depth)) })
+}
+
+/// The nearest points of the cores of two convex bodies ([`Rounded::core`]), from the centre of the first; see [`apart`].
+fn cores_apart([first, second]: [&PosedBlock<'_>; 2], [a, b]: [&Outline; 2], start: [f64; 3], limits: [f64; 2]) -> Option<Apart> {
+    let away = less(second.pose.centre, first.pose.centre);
+    let core = |of: &Outline, body: &PosedBlock<'_>, towards: [f64; 3]| {
+        body.pose.outwards(of.body.core(body.pose.inwards(towards)).unwrap_or_default())
+    };
+    apart(|n| core(a, first, n), |n| plus(away, core(b, second, n)), start, limits)
+}
+
+/// A bound below on the gap between two bodies, m: the better of that of the spheres around them and, of two convex bodies in space, that of their nearest points. A gap of more than `far`, m, need not be known
+/// better than so.
+pub(super) fn clearance(first: &PosedBlock<'_>, second: &PosedBlock<'_>, far: f64) -> f64 {
+    let (Some(a), Some(b)) = (first.outline, second.outline) else { return 0.0 };
+    let between = less(second.pose.centre, first.pose.centre);
+    let length = dot(between, between).sqrt();
+    let of_spheres = length - a.body.reach() - b.body.reach();
+    if of_spheres >= far || length == 0.0 || !a.body.is_convex() || !b.body.is_convex() {
+        return of_spheres;
+    }
+    let radii = a.body.widest() + b.body.widest();
+    match cores_apart([first, second], [a, b], scaled(between, 1.0 / length), [radii + far, ABOUT]) {
+        Some(found) => of_spheres.max((1.0 - ABOUT) * found.distance - radii),
+        None => far,
+    }
 }
 
 /// The overlap of two spheres at these centres, m; `across`: the normal if they are at one place.
@@ -294,11 +315,8 @@ impl Facing {
         // a hair for rounding
         let radii = radii + 1e-9 * length;
         let mut along = scaled(between, 1.0 / length);
-        if a.body.core(along).is_some() && b.body.core(along).is_some() {
-            let cores = [a, b].map(|of| |n: [f64; 3]| of.body.core(n).unwrap_or_default());
-            let on_first = |n| first.pose.outwards(cores[0](first.pose.inwards(n)));
-            let on_second = |n| plus(between, second.pose.outwards(cores[1](second.pose.inwards(n))));
-            along = apart(on_first, on_second, along, [radii, ABOUT])?.normal;
+        if a.body.is_convex() && b.body.is_convex() {
+            along = cores_apart([first, second], [a, b], along, [radii, ABOUT])?.normal;
         }
         let [of_first, of_second] = [first.pose.inwards(along), second.pose.inwards(along.map(|x| -x))];
         let end = |of: &Outline, along: [f64; 3]| {

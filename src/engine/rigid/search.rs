@@ -1,8 +1,10 @@
-//! Search for candidates: points, grains, walls and other bodies near rigid bodies.
+//! Search for what is near rigid bodies: points, grains, walls and other bodies.
 
 use super::contact::{posed, spot_at};
-use super::pair::{DEEPEST, sites};
-use super::{BlockContact, Blocks, Other};
+use super::list::Contacts;
+use super::near::{Moment, Near};
+use super::pair::DEEPEST;
+use super::{BlockContact, Blocks, Breaking, Other};
 use crate::boundary::Wall;
 use crate::error::{Error, Result};
 use crate::grains::Grains;
@@ -10,21 +12,35 @@ use crate::math::vector::{dot, less};
 use crate::mpm::Continuum;
 use crate::mpm::loading_plate::ghost_radius;
 use crate::point_contacts::{NOWHERE, by_id, remember};
+use rayon::prelude::*;
+
+/// Pairs of bodies whose sites one parallel task seeks.
+const PAIRS: usize = 8;
 
 impl Blocks {
-    /// Makes the list of candidates anew if a pair outside of it may touch; else only brings indices up to date. `way`: distance by which a body and anything
-    /// else may have come closer since the last call, m.
+    /// Lists anew what is near if something outside of the list may touch; else only brings indices up to date. Seeks the sites of pairs of bodies that have moved. `way`: distance by which a body and anything
+    /// else may have come closer since the last call, m; `ahead`: time, s, by which positions of bodies will be extrapolated.
     ///
     /// # Errors
     /// A superquadric near a mesh or a compound; bodies that are deep in each other.
-    pub fn update(&mut self, grains: &Grains, walls: &[Wall], continuum: &Continuum, way: f64) -> Result<()> {
+    pub fn update(&mut self, grains: &Grains, walls: &[Wall], continuum: &Continuum, way: f64, ahead: f64) -> Result<()> {
         let alive = [grains.len(), continuum.points().len()];
         self.outline();
-        match self.age.due(way, alive, continuum.settings().cell) {
-            Some(skin) => self.search(grains, walls, continuum, skin)?,
-            None => self.locate(grains, continuum),
+        self.passable(continuum)?;
+        self.looks += 1;
+        if let Some(skin) = self.age.due(way, alive, continuum.settings().cell) {
+            self.search(grains, walls, continuum, skin)?;
+        } else {
+            self.locate(grains, continuum);
         }
-        self.passable(continuum)
+        self.seek(way, ahead);
+        Ok(())
+    }
+
+    /// Makes the next update search anew, and forgets how far bodies have moved: some are others now.
+    pub(super) fn forget_list(&mut self) {
+        self.contacts.forget();
+        self.age.forget();
     }
 
     /// Pairs of bodies whose spheres of reach are nearer than `skin`, m, and that no joint holds; the lower index first. Bodies are sorted by where they begin along x.
@@ -63,22 +79,7 @@ impl Blocks {
 
     /// Checks that no body is so deep in another that the direction of their force would be lost, and that nothing is about to pass through a sheet.
     fn passable(&self, continuum: &Continuum) -> Result<()> {
-        let (step, radius) = (continuum.steps(), |k: u32| self.outlines[k as usize].body.rounding());
-        let sheet = |c: &BlockContact| self.blocks[c.block as usize].solid().sheet().map(|sheet| sheet.rounding());
-        // largest overlap
-        let most = |c: &BlockContact| match c.other {
-            Other::Block { block, .. } => DEEPEST * (radius(c.block) + radius(block)),
-            Other::Grain(_) | Other::Point(_) => {
-                let reach = c.radius + c.face.map_or(0.0, |face| face.beyond);
-                sheet(c).map_or(f64::INFINITY, |rounding| DEEPEST * (reach + rounding))
-            }
-            Other::Wall { .. } => f64::INFINITY,
-        };
-        let Some(c) =
-            self.sleepers.awake(&self.candidates).find(|c| c.reference.is_finite() && c.touch.overlap + c.reference > most(c))
-        else {
-            return Ok(());
-        };
+        let (step, Some(c)) = (continuum.steps(), self.contacts.deep()) else { return Ok(()) };
         let (by, cure) =
             (format!("{:.4} mm", 1e3 * (c.touch.overlap + c.reference)), "stiffer materials, or lower stepping.safety");
         let through = |what: &str, id: u32| {
@@ -104,12 +105,40 @@ impl Blocks {
         Err(Error::Unstable { step, what, grain })
     }
 
-    /// Makes the list of candidates anew: everything with a gap to a body below `skin`, m. Contacts keep their history.
+    /// Makes the list anew: pairs of bodies, and points, grains and walls with a gap to a body, that may be below `skin`, m. Contacts keep their history.
+    ///
+    /// # Errors
+    /// A superquadric near a mesh or a compound.
     fn search(&mut self, grains: &Grains, walls: &[Wall], continuum: &Continuum, skin: f64) -> Result<()> {
+        let mut near = self.near(skin);
+        near.sort_unstable();
+        if let Some([i, j]) = near.iter().find(|pair| !self.outlines[pair[0]].touches(&self.outlines[pair[1]])) {
+            let what = format!(
+                "blocks {i} and {j} come within reach of each other; contacts of superquadrics with meshes and compounds are not computed"
+            );
+            return Err(Error::Failed { step: continuum.steps(), what });
+        }
+        self.contacts.list_pairs(&near);
+        let mut others = self.others(grains, walls, continuum, skin);
+        others.sort_unstable_by_key(BlockContact::key);
+        if let Some(Breaking { newborn, .. }) = self.breaking.as_deref() {
+            others.iter_mut().filter(|c| newborn.contains(&c.block)).for_each(|c| c.reference = f64::INFINITY);
+        }
+        let known = self.contacts.others.iter().filter(|c| c.touch.overlap > 0.0 || c.face.is_some() || c.reference > 0.0);
+        // reactions may be added again before forces are computed: all but the other side's place and size stays
+        let keep =
+            |old: &BlockContact, new: &mut BlockContact| *new = BlockContact { place: new.place, radius: new.radius, ..*old };
+        remember(known, &mut others, BlockContact::key, keep);
+        self.contacts.replace_others(others);
+        Ok(())
+    }
+
+    /// Points, grains and walls with a gap to a body below `skin`, m.
+    fn others(&self, grains: &Grains, walls: &[Wall], continuum: &Continuum, skin: f64) -> Vec<BlockContact> {
         let (points, dimension) = (continuum.points(), continuum.settings().dimension);
         let most = (0..points.len()).map(|i| points.solid(i)).fold(0.0, f64::max);
         // a face may lie further from its point than the ghost radius
-        let beyond = self.candidates.iter().filter_map(|c| c.face).map(|face| face.beyond).fold(0.0, f64::max);
+        let beyond = self.contacts.others.iter().filter_map(|c| c.face).map(|face| face.beyond).fold(0.0, f64::max);
         let radius_of = |solid: f64| self.point_radius.unwrap_or_else(|| ghost_radius(dimension, solid));
         let widest = radius_of(most) + beyond + skin;
         let mut found: Vec<BlockContact> = Vec::new();
@@ -136,38 +165,25 @@ impl Blocks {
                 }
             }
         }
-        let bodies = posed(&self.blocks, &self.outlines, 0.0);
-        for [i, j] in self.near(skin) {
-            let (first, second) = (&bodies[i], &bodies[j]);
-            if !self.outlines[i].touches(&self.outlines[j]) {
-                let what = format!(
-                    "blocks {i} and {j} come within reach of each other; contacts of superquadrics with meshes and compounds are not computed"
-                );
-                return Err(Error::Failed { step: continuum.steps(), what });
-            }
-            let other = |site| Other::Block { block: j as u32, site };
-            let sites = sites(first, second, skin).into_iter();
-            found.extend(sites.map(|(site, facet)| BlockContact::new(i as u32, other(site), facet, 0, 0.0)));
+        found
+    }
+
+    /// Seeks the sites of the listed pairs of bodies that have moved enough. Contacts of bodies that have just been born, or were joined until now, begin without force.
+    fn seek(&mut self, way: f64, ahead: f64) {
+        let Blocks { contacts, blocks, outlines, age, looks, breaking, drives, .. } = self;
+        let newborn = breaking.as_mut().map_or(Vec::new(), |breaking| std::mem::take(&mut breaking.newborn));
+        let parted = drives.as_mut().map_or(Vec::new(), |drives| std::mem::take(&mut drives.parted));
+        let Contacts { pairs, ways, .. } = contacts;
+        let mut due: Vec<&mut Near> = pairs.iter_mut().filter(|pair| pair.is_due(ways.of(pair.bodies) + way)).collect();
+        if due.is_empty() {
+            return;
         }
-        let key = BlockContact::key;
-        found.sort_unstable_by_key(key);
-        if let Some(breaking) = &mut self.breaking {
-            let newborn = std::mem::take(&mut breaking.newborn);
-            let is_new =
-                |c: &BlockContact| newborn.contains(&c.block) || c.other.partner_body().is_some_and(|k| newborn.contains(&k));
-            found.iter_mut().filter(|c| is_new(c)).for_each(|c| c.reference = f64::INFINITY);
-        }
-        let known = self.candidates.iter().filter(|c| c.touch.overlap > 0.0 || c.face.is_some() || c.reference > 0.0);
-        if let Some(drives) = &mut self.drives {
-            let parted = std::mem::take(&mut drives.parted);
-            let is_new = |c: &BlockContact| c.other.partner_body().is_some_and(|k| parted.contains(&[c.block, k]));
-            found.iter_mut().filter(|c| is_new(c)).for_each(|c| c.reference = f64::INFINITY);
-        }
-        // reactions may be added again before forces are computed: all but the other side's place and size stays
-        remember(known, &mut found, key, |old, new| *new = BlockContact { place: new.place, radius: new.radius, ..*old });
-        self.candidates = found;
-        self.sleepers.forget();
-        Ok(())
+        let (bodies, now) = (posed(blocks, outlines, ahead), Moment { look: *looks, skin: age.skin() });
+        due.par_iter_mut().with_min_len(PAIRS).for_each(|pair| {
+            let born = parted.contains(&pair.bodies) || pair.bodies.iter().any(|body| newborn.contains(body));
+            pair.seek(&bodies, ways.of(pair.bodies), now, born);
+        });
+        contacts.unlist();
     }
 
     /// Brings the indices of grains and points up to date, whose arrays may have been sorted.
@@ -178,14 +194,14 @@ impl Blocks {
         }
         let [of_grains, of_points] = &mut self.index;
         let grain_at = |c: &BlockContact| matches!(c.other, Other::Grain(id) if grains.id.get(place(c)) != Some(&id));
-        if self.candidates.iter().any(grain_at) {
+        if self.contacts.others.iter().any(grain_at) {
             by_id(of_grains, &grains.id, grains.next_id);
         }
         let point_at = |c: &BlockContact| matches!(c.other, Other::Point(id) if points.id.get(place(c)) != Some(&id));
-        if self.candidates.iter().any(point_at) {
+        if self.contacts.others.iter().any(point_at) {
             by_id(of_points, &points.id, points.next_id);
         }
-        for c in &mut self.candidates {
+        for c in &mut self.contacts.others {
             match c.other {
                 Other::Grain(id) if grains.id.get(c.place as usize) != Some(&id) => c.place = of_grains[id as usize],
                 Other::Point(id) if points.id.get(c.place as usize) != Some(&id) => c.place = of_points[id as usize],
@@ -193,7 +209,9 @@ impl Blocks {
             }
         }
         // grains that have broken
-        self.candidates.retain(|c| c.place != NOWHERE);
+        if self.contacts.others.iter().any(|c| c.place == NOWHERE) {
+            self.contacts.retain(|c| c.place != NOWHERE);
+        }
     }
 }
 

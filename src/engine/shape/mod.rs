@@ -252,6 +252,16 @@ impl Rounded {
         matches!(self, Rounded::Smooth(_))
     }
 
+    /// Whether it is a convex body in space, which has a [`Self::core`].
+    pub fn is_convex(&self) -> bool {
+        matches!(self, Rounded::Smooth(_) | Rounded::Hull(_))
+    }
+
+    /// Whether its distance from a position can be bounded ([`Self::before`]).
+    pub fn has_gaps(&self) -> bool {
+        matches!(self, Rounded::Hull(_) | Rounded::Ring(_))
+    }
+
     /// Point that is furthest along the unit vector `towards` of what the sphere is swept over; `None` of a body that is not convex or lies in the plane.
     pub fn core(&self, towards: [f64; 3]) -> Option<[f64; 3]> {
         match self {

@@ -1,74 +1,37 @@
-//! Which candidates sleep: two bodies with a gap between the places that may touch need no look before they have moved by as much. Skipped candidates change no bit of a result.
+//! How far bodies have moved. Two bodies with a gap between the places that may touch need no look before they have moved by as much; what is not looked at changes no bit of a result.
 
 use super::contact::PosedBlock;
 use super::{BlockContact, Other, Pose};
 use crate::math::vector::{dot, less};
 
 /// Share of the reach of a body by which gaps are taken to be smaller, for rounding.
-const HAIR: f64 = 1e-9;
+pub(super) const HAIR: f64 = 1e-9;
 
-/// When a candidate has to be looked at.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Sleeper {
-    bodies: [u32; 2],
-    of_point: bool,
-    /// Sum of the ways of the two bodies up to which they do not touch there, m; 0: look always.
-    wake: f64,
-    /// Whether it touched when it was last looked at.
-    touches: bool,
-}
-
-impl Sleeper {
-    fn of(c: &BlockContact) -> Sleeper {
-        Sleeper {
-            bodies: [c.block, c.other.partner_body().unwrap_or(c.block)],
-            of_point: c.is_of_point(),
-            wake: 0.0,
-            touches: c.touch.overlap > 0.0,
-        }
-    }
-
-    /// Keeps what was found: whether they touch, and else the gap, m, if it is known; 0 if not.
-    pub fn note(&mut self, touches: bool, gap: f64, ways: &[f64]) {
-        let now: f64 = self.bodies.iter().map(|&k| ways[k as usize]).sum();
-        self.touches = touches;
-        self.wake = if gap > 0.0 { now + gap } else { 0.0 };
-    }
-}
-
-/// When each candidate has to be looked at. It is not saved: a run that is continued looks at all of them first.
+/// Bounds on the ways of bodies. They are not saved: a run that is continued looks at all contacts first.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Sleepers {
-    /// One for each candidate, in their order; another number of them: none holds.
-    of: Vec<Sleeper>,
+pub(super) struct Ways {
     /// Pose of each body when forces were last computed.
     poses: Vec<Pose>,
-    /// Way of each body since, summed over all looks: no place of it has moved further, m.
+    /// Way of each body since the first time, summed: no place of it has moved further, m.
     ways: Vec<f64>,
-    /// The candidates that touch, in their order.
-    touching: Vec<u32>,
-    /// Those of which something may be known but that they are apart, in their order.
-    awake: Vec<u32>,
 }
 
-impl Sleepers {
-    /// Memory for each candidate, bytes.
-    pub const BYTES: usize = size_of::<Sleeper>();
-
-    /// Forgets all.
-    pub fn forget(&mut self) {
-        self.of.clear();
-        self.touching.clear();
-        self.awake.clear();
+impl Ways {
+    /// Memory in use, bytes.
+    pub fn bytes(&self) -> usize {
+        (size_of::<Pose>() + 8) * self.ways.capacity()
     }
 
-    /// Brings the sleepers up to date with the bodies; new ones where the candidates are new.
-    pub fn follow(&mut self, bodies: &[PosedBlock<'_>], candidates: &[BlockContact]) {
-        if self.of.len() != candidates.len() || self.ways.len() != bodies.len() {
-            self.of = candidates.iter().map(Sleeper::of).collect();
+    /// Sum of the ways of two bodies, m; 0 before the first time.
+    pub fn of(&self, bodies: [u32; 2]) -> f64 {
+        bodies.iter().map(|&k| self.ways.get(k as usize).copied().unwrap_or(0.0)).sum()
+    }
+
+    /// Adds the ways of all bodies to where they are now.
+    pub fn follow(&mut self, bodies: &[PosedBlock<'_>]) {
+        if self.ways.len() != bodies.len() {
             self.poses = bodies.iter().map(|body| body.pose).collect();
             self.ways = vec![0.0; bodies.len()];
-            return;
         }
         for ((body, pose), way) in bodies.iter().zip(&mut self.poses).zip(&mut self.ways) {
             if *pose != body.pose {
@@ -76,50 +39,6 @@ impl Sleepers {
                 *pose = body.pose;
             }
         }
-    }
-
-    /// The sleepers, with the ways of the bodies and whether a candidate is to be looked at now, with points or with all others.
-    pub fn open(&mut self, points: bool) -> (&mut [Sleeper], &[f64], impl Fn(&Sleeper) -> bool + Sync) {
-        let Sleepers { of, ways, .. } = self;
-        let ways = &ways[..];
-        let due = move |sleeper: &Sleeper| {
-            let [i, j] = sleeper.bodies.map(|k| ways[k as usize]);
-            sleeper.of_point == points && i + j >= sleeper.wake
-        };
-        (of, ways, due)
-    }
-
-    /// Lists the candidates that touch and those that do not sleep, after they have been looked at.
-    pub fn list(&mut self) {
-        let Sleepers { of, touching, awake, .. } = self;
-        touching.clear();
-        awake.clear();
-        for (k, sleeper) in of.iter().enumerate().filter(|(_, sleeper)| sleeper.wake == 0.0) {
-            awake.push(k as u32);
-            if sleeper.touches {
-                touching.push(k as u32);
-            }
-        }
-    }
-
-    /// The candidates that touch, in their order.
-    pub fn touching<'a>(&'a self, candidates: &'a [BlockContact]) -> impl Iterator<Item = &'a BlockContact> + Clone {
-        self.listed(&self.touching, candidates).filter(|c| c.touch.overlap > 0.0)
-    }
-
-    /// The candidates of which something may be known but that they are apart, in their order.
-    pub fn awake<'a>(&'a self, candidates: &'a [BlockContact]) -> impl Iterator<Item = &'a BlockContact> {
-        self.listed(&self.awake, candidates)
-    }
-
-    /// The candidates of a list; all where the list is of others.
-    fn listed<'a>(
-        &self,
-        list: &'a [u32],
-        candidates: &'a [BlockContact],
-    ) -> impl Iterator<Item = &'a BlockContact> + Clone + use<'a> {
-        let (list, all) = if self.of.len() == candidates.len() { (list, &[][..]) } else { (&[][..], candidates) };
-        list.iter().map(|&k| &candidates[k as usize]).chain(all)
     }
 }
 
