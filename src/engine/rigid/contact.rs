@@ -176,6 +176,12 @@ impl BlockContact {
         }
     }
 
+    /// As [`gap_at`], where it is of two bodies; 0 else.
+    fn gap(&self, bodies: &[PosedBlock<'_>]) -> f64 {
+        let Other::Block { block, site } = self.other else { return 0.0 };
+        gap_at([self.block, block].map(|k| &bodies[k as usize]), site)
+    }
+
     pub(super) fn is_of_point(&self) -> bool {
         matches!(self.other, Other::Point(_))
     }
@@ -230,8 +236,8 @@ impl Blocks {
         let rules = Rules { dt: scene.dt, unloading: scene.unloading, weighs_radius: true, task: TASK, arch: pulp::Arch::Scalar };
         let Blocks { blocks, outlines, contacts, .. } = self;
         let bodies = posed(blocks, outlines, scene.ahead[0]);
-        let Contacts { others, pairs, ways, .. } = contacts;
-        ways.follow(&bodies);
+        contacts.follow(&bodies);
+        let Contacts { others, pairs, .. } = &mut *contacts;
         if bodies.iter().any(|body| body.block.solid().facets() > 1) {
             let same = |a: &BlockContact, b: &BlockContact| (a.block, a.other) == (b.block, b.other);
             let groups = others.par_chunk_by_mut(same);
@@ -250,7 +256,8 @@ impl Blocks {
             let looked_at = others.par_iter_mut().with_min_len(TASK).filter(|c| c.is_of_point() == points);
             looked_at.for_each(|c| _ = look(c));
             if !points {
-                pairs.par_iter_mut().with_min_len(TASK).for_each(|pair| pair.look(ways.of(pair.bodies), look));
+                let gap = |pair: [u32; 2], site| gap_at(pair.map(|k| &bodies[k as usize]), site);
+                pairs.par_iter_mut().with_min_len(TASK).for_each(|pair| pair.look(gap, look));
             }
         });
         contacts.list();
@@ -289,13 +296,15 @@ impl Blocks {
     pub fn apply_grain_and_wall_reactions(&mut self, grains: &Grains, external_forces: &mut Vec<[[f64; 4]; 2]>) {
         external_forces.resize(grains.len(), [[0.0; 4]; 2]);
         for c in self.contacts.touching().filter(|c| !c.is_of_point()) {
-            add_force_and_torque(&mut self.applied[c.block as usize], c, 1.0);
+            let (force, torque) = (c.force(), c.torque());
+            let applied = &mut self.applied[c.block as usize];
+            *applied = [plus(applied[0], force), plus(applied[1], torque)];
             match c.other {
                 Other::Grain(_) => {
                     let i = c.place as usize;
                     let arm = c.share * (grains.radius(i) - 0.5 * c.touch.overlap);
                     // what acts beside goes through the centre of the grain
-                    let (force, torque) = (c.force(), scaled(cross(c.touch.normal, c.touch.tangential), arm));
+                    let torque = scaled(cross(c.touch.normal, c.touch.tangential), arm);
                     for a in 0..3 {
                         external_forces[i][0][a] -= force[a];
                         external_forces[i][1][a] += torque[a];
@@ -303,10 +312,10 @@ impl Blocks {
                 }
                 Other::Block { block, .. } => {
                     // equal and opposite, about the centre of the second
-                    let (second, force) = (block as usize, c.force());
-                    let torque = c.torque_about(&self.blocks, second);
+                    let (first, second) = (c.block as usize, block as usize);
+                    let between = less(self.blocks[first].centre, self.blocks[second].centre);
                     let applied = &mut self.applied[second];
-                    *applied = [less(applied[0], force), less(applied[1], torque)];
+                    *applied = [less(applied[0], force), less(applied[1], plus(torque, cross(between, force)))];
                 }
                 Other::Point(_) | Other::Wall { .. } => {}
             }
@@ -552,7 +561,7 @@ fn touch<L: Law>(scene: &BlockScene<'_>, rules: &Rules, bodies: &[PosedBlock<'_>
     let met = across(scene, bodies, c);
     let mut gap = 0.0;
     if met.is_none() {
-        (c.reference, gap) = (0.0, gap_at(body, bodies, c));
+        (c.reference, gap) = (0.0, c.gap(bodies));
     }
     let Some(o) = met.and_then(|o| o.less_born(&mut c.reference)) else {
         if c.touch.overlap > 0.0 {

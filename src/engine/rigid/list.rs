@@ -1,11 +1,16 @@
 //! The contacts of rigid bodies, touching or near, in one order: body by body, of each those with points, grains and walls, then those with bodies of higher index. Sums over them are taken in it.
 
 use super::BlockContact;
+use super::contact::PosedBlock;
 use super::near::Near;
 use super::ways::Ways;
 use crate::check::{Checked, ensure};
+use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
+
+/// Pairs of one parallel task that adds up ways.
+const MOVED: usize = 1024;
 
 /// All contacts of rigid bodies.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
@@ -14,9 +19,9 @@ pub(super) struct Contacts {
     pub others: Vec<BlockContact>,
     /// Pairs of bodies that are near each other, in order.
     pub pairs: Vec<Near>,
-    /// How far the bodies have moved.
+    /// How the bodies have moved since the last look.
     #[serde(skip)]
-    pub ways: Ways,
+    ways: Ways,
     /// Those that touch; `None` where they have to be looked for.
     #[serde(skip)]
     touching: Option<Vec<Place>>,
@@ -48,13 +53,21 @@ impl Contacts {
     /// # Errors
     /// What is wrong, in words.
     pub fn check(&self) -> Checked {
-        let keys: Vec<_> = self.all().map(BlockContact::key).collect();
+        let keys: Vec<_> = self.all().into_iter().map(BlockContact::key).collect();
         let pairs_sorted = self.pairs.windows(2).all(|w| w[0].bodies < w[1].bodies);
         let others = self.others.iter().all(|c| c.other.partner_body().is_none());
         let of_pair =
             |pair: &Near| pair.contacts.iter().all(|c| (c.block, c.other.partner_body()) == (pair.bodies[0], Some(pair.bodies[1])));
         let ordered = pairs_sorted && others && self.pairs.iter().all(of_pair) && keys.is_sorted_by(|a, b| a < b);
         ensure(ordered, || "contacts of rigid bodies are not in their order".into())
+    }
+
+    /// Notes where the bodies are now: pairs whose bodies have moved against each other have done so.
+    pub fn follow(&mut self, bodies: &[PosedBlock<'_>]) {
+        let Contacts { pairs, ways, .. } = self;
+        if ways.follow(bodies) {
+            pairs.par_iter_mut().with_min_len(MOVED).for_each(|pair| pair.way += ways.between(pair.bodies));
+        }
     }
 
     /// Forgets how far bodies have moved: some are others now.
@@ -94,56 +107,50 @@ impl Contacts {
         self.unlist();
     }
 
-    /// Every contact with its place, in order.
-    fn placed(&self) -> impl Iterator<Item = (Place, &BlockContact)> {
-        let others = (0..).zip(&self.others).map(|(k, c)| (Place::Other(k), c));
-        let (mut others, mut pairs) = (others.peekable(), (0..).zip(&self.pairs).peekable());
-        let mut inner = None::<(u32, std::iter::Zip<std::ops::RangeFrom<u32>, std::slice::Iter<'_, BlockContact>>)>;
-        std::iter::from_fn(move || {
-            loop {
-                if let Some((pair, contacts)) = &mut inner {
-                    if let Some((k, c)) = contacts.next() {
-                        return Some((Place::Pair(*pair, k), c));
-                    }
-                    inner = None;
-                }
-                let pair = pairs.peek().map(|(_, near)| near.bodies[0]);
-                if let Some(other) = others.next_if(|(_, c)| pair.is_none_or(|first| c.block <= first)) {
-                    return Some(other);
-                }
-                let (k, near) = pairs.next()?;
-                inner = Some((k, (0..).zip(&near.contacts)));
+    /// Visits every contact with its place, in order.
+    fn visit<'a>(&'a self, mut visit: impl FnMut(Place, &'a BlockContact)) {
+        let mut others = (0..).zip(&self.others).peekable();
+        for (n, pair) in (0..).zip(&self.pairs) {
+            while let Some((k, c)) = others.next_if(|(_, c)| c.block <= pair.bodies[0]) {
+                visit(Place::Other(k), c);
             }
-        })
+            (0..).zip(&pair.contacts).for_each(|(k, c)| visit(Place::Pair(n, k), c));
+        }
+        others.for_each(|(k, c)| visit(Place::Other(k), c));
     }
 
     /// Every contact, in order.
-    pub fn all(&self) -> impl Iterator<Item = &BlockContact> {
-        self.placed().map(|(_, c)| c)
+    pub fn all(&self) -> Vec<&BlockContact> {
+        let mut all = Vec::new();
+        self.visit(|_, c| all.push(c));
+        all
     }
 
     /// Lists the contacts that touch and the first that is too deep, after they have been looked at.
     pub fn list(&mut self) {
-        let mut touching = self.touching.take().unwrap_or_default();
-        let mut deep = None;
+        let (mut touching, mut deep) = (self.touching.take().unwrap_or_default(), None);
         touching.clear();
-        for (place, c) in self.placed() {
+        self.visit(|place, c| {
             if c.touch.overlap > 0.0 {
                 touching.push(place);
             }
             if c.too_deep && deep.is_none() {
                 deep = Some(place);
             }
-        }
+        });
         (self.touching, self.deep) = (Some(touching), deep);
     }
 
     /// The contacts that touch, in order.
     pub fn touching(&self) -> impl Iterator<Item = &BlockContact> + Clone {
-        let places = match &self.touching {
-            Some(places) => Cow::Borrowed(&places[..]),
-            None => Cow::Owned(self.placed().filter(|(_, c)| c.touch.overlap > 0.0).map(|(place, _)| place).collect()),
-        };
+        let places = self.touching.as_ref().map_or_else(
+            || {
+                let mut found = Vec::new();
+                self.visit(|place, c| found.extend((c.touch.overlap > 0.0).then_some(place)));
+                Cow::Owned(found)
+            },
+            |listed| Cow::Borrowed(&listed[..]),
+        );
         (0..places.len()).map(move |k| self.at(places[k]))
     }
 

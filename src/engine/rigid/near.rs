@@ -13,7 +13,7 @@ use serde::{Deserialize, Serialize};
 /// Skin of a pair of convex bodies over that of the list: at first, and the least.
 const SHARE: [f64; 2] = [0.1, 0.02];
 /// Looks that a pair should keep its sites for: its skin is doubled where they come to half of that, and halved where they come to twice that.
-const LOOKS: u64 = 60;
+const LOOKS: u64 = 20;
 /// Share of the skin of a pair, or of its gap, that its bodies may move before the next search, as positions extrapolated in time are guesses.
 const TRUST: f64 = 0.5;
 
@@ -24,6 +24,9 @@ pub(super) struct Near {
     pub bodies: [u32; 2],
     /// Their contacts at sites that touch or of which no gap is known, sorted by site and facet.
     pub contacts: Vec<BlockContact>,
+    /// What its bodies have moved against each other since they were listed, m: no two of their places have come nearer by more.
+    #[serde(skip)]
+    pub way: f64,
     /// The other sites.
     #[serde(skip)]
     asleep: Vec<Asleep>,
@@ -40,14 +43,14 @@ pub(super) struct Near {
 struct Asleep {
     site: Site,
     facet: u32,
-    /// Sum of the ways of the two bodies ([`super::ways::Ways`]) up to which they do not touch there, m.
+    /// [`Near::way`] up to which they do not touch there, m.
     wake: f64,
 }
 
 /// A search for the sites of a pair.
 #[derive(Clone, Copy, Debug)]
 struct Sought {
-    /// Sum of the ways of the two bodies at which the next one is due, m.
+    /// [`Near::way`] at which the next one is due, m.
     due: f64,
     /// Skin of the pair, m.
     skin: f64,
@@ -67,7 +70,7 @@ pub(super) struct Moment {
 impl Near {
     /// A pair whose sites have to be sought.
     pub fn new(bodies: [usize; 2]) -> Near {
-        Near { bodies: bodies.map(|k| k as u32), contacts: Vec::new(), asleep: Vec::new(), wake: 0.0, sought: None }
+        Near { bodies: bodies.map(|k| k as u32), contacts: Vec::new(), way: 0.0, asleep: Vec::new(), wake: 0.0, sought: None }
     }
 
     /// Makes its sites be sought anew.
@@ -81,13 +84,13 @@ impl Near {
         size_of::<Near>() + size_of::<BlockContact>() * self.contacts.capacity() + size_of::<Asleep>() * self.asleep.capacity()
     }
 
-    /// Whether its sites have to be sought, when its bodies have moved so far, m.
-    pub fn is_due(&self, way: f64) -> bool {
-        self.sought.is_none_or(|last| way >= last.due)
+    /// Whether its sites have to be sought.
+    pub fn is_due(&self) -> bool {
+        self.sought.is_none_or(|last| self.way >= last.due)
     }
 
-    /// Seeks its sites. `way`: of its bodies so far, m; `born`: the overlaps that are found are without a force. Contacts at sites that are found again keep their history.
-    pub fn seek(&mut self, bodies: &[PosedBlock<'_>], way: f64, now: Moment, born: bool) {
+    /// Seeks its sites. `born`: the overlaps that are found are without a force. Contacts at sites that are found again keep their history.
+    pub fn seek(&mut self, bodies: &[PosedBlock<'_>], now: Moment, born: bool) {
         let [first, second] = self.bodies.map(|k| &bodies[k as usize]);
         let all = |is: fn(&crate::shape::Rounded) -> bool| {
             [first, second].iter().all(|body| body.outline.is_some_and(|outline| is(&outline.body)))
@@ -109,7 +112,7 @@ impl Near {
         };
         let hair = HAIR * (first.block.solid().reach() + second.block.solid().reach());
         let gap = clearance(first, second, now.skin) - hair;
-        self.sought = Some(Sought { due: way + TRUST * gap.max(skin), skin, look: now.look });
+        self.sought = Some(Sought { due: self.way + TRUST * gap.max(skin), skin, look: now.look });
         let found = if gap < skin { sites(first, second, skin) } else { Vec::new() };
         self.contacts.retain(|c| found.iter().any(|&(site, facet)| c.is_at(site, facet)));
         let before = std::mem::take(&mut self.asleep);
@@ -123,7 +126,7 @@ impl Near {
                 self.asleep.push(Asleep { site, facet, wake: known.map_or(f64::NEG_INFINITY, |old| old.wake) });
             } else {
                 let reference = if born { f64::INFINITY } else { 0.0 };
-                self.contacts.push(BlockContact { reference, ..self.contact(site, facet) });
+                self.contacts.push(BlockContact { reference, ..contact(self.bodies, site, facet) });
             }
         }
         self.contacts.sort_unstable_by_key(BlockContact::key);
@@ -135,20 +138,20 @@ impl Near {
         self.asleep.iter().map(|site| site.wake).fold(f64::INFINITY, f64::min)
     }
 
-    /// A contact of the two without a force.
-    fn contact(&self, site: Site, facet: u32) -> BlockContact {
-        let [block, other] = self.bodies;
-        BlockContact::new(block, Other::Block { block: other, site }, facet, 0, 0.0)
-    }
-
-    /// Looks at the sites that do not sleep. `look` returns the gap, m, of a contact that does not touch; 0 if it is not known. `way`: of the bodies so far, m.
-    pub fn look(&mut self, way: f64, look: impl Fn(&mut BlockContact) -> f64) {
+    /// Looks at the sites that do not sleep. `gap` returns a bound below on the gap at a site of two bodies, m, 0 if none is known; `look` that of a contact that does not touch.
+    pub fn look(&mut self, gap: impl Fn([u32; 2], Site) -> f64, look: impl Fn(&mut BlockContact) -> f64) {
+        let way = self.way;
         let woken = way >= self.wake;
         if woken {
-            let awake = self.asleep.extract_if(.., |site| way >= site.wake).map(|Asleep { site, facet, .. }| (site, facet));
-            for (site, facet) in awake.collect::<Vec<_>>() {
-                self.contacts.push(self.contact(site, facet));
-            }
+            let (bodies, contacts) = (self.bodies, &mut self.contacts);
+            self.asleep.retain_mut(|site| {
+                let left = if way >= site.wake { gap(bodies, site.site) } else { return true };
+                site.wake = way + left;
+                if left == 0.0 {
+                    contacts.push(contact(bodies, site.site, site.facet));
+                }
+                left > 0.0
+            });
             self.contacts.sort_unstable_by_key(BlockContact::key);
         }
         let before = self.asleep.len();
@@ -167,4 +170,9 @@ impl Near {
             self.wake = self.least();
         }
     }
+}
+
+/// A contact of two bodies without a force.
+fn contact([block, other]: [u32; 2], site: Site, facet: u32) -> BlockContact {
+    BlockContact::new(block, Other::Block { block: other, site }, facet, 0, 0.0)
 }

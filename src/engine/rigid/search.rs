@@ -1,7 +1,6 @@
 //! Search for what is near rigid bodies: points, grains, walls and other bodies.
 
 use super::contact::{posed, spot_at};
-use super::list::Contacts;
 use super::near::{Moment, Near};
 use super::pair::DEEPEST;
 use super::{BlockContact, Blocks, Breaking, Other};
@@ -26,6 +25,7 @@ impl Blocks {
     pub fn update(&mut self, grains: &Grains, walls: &[Wall], continuum: &Continuum, way: f64, ahead: f64) -> Result<()> {
         let alive = [grains.len(), continuum.points().len()];
         self.outline();
+        self.contacts.follow(&posed(&self.blocks, &self.outlines, ahead));
         self.passable(continuum)?;
         self.looks += 1;
         if let Some(skin) = self.age.due(way, alive, continuum.settings().cell) {
@@ -33,7 +33,7 @@ impl Blocks {
         } else {
             self.locate(grains, continuum);
         }
-        self.seek(way, ahead);
+        self.seek(ahead);
         Ok(())
     }
 
@@ -169,19 +169,18 @@ impl Blocks {
     }
 
     /// Seeks the sites of the listed pairs of bodies that have moved enough. Contacts of bodies that have just been born, or were joined until now, begin without force.
-    fn seek(&mut self, way: f64, ahead: f64) {
+    fn seek(&mut self, ahead: f64) {
         let Blocks { contacts, blocks, outlines, age, looks, breaking, drives, .. } = self;
         let newborn = breaking.as_mut().map_or(Vec::new(), |breaking| std::mem::take(&mut breaking.newborn));
         let parted = drives.as_mut().map_or(Vec::new(), |drives| std::mem::take(&mut drives.parted));
-        let Contacts { pairs, ways, .. } = contacts;
-        let mut due: Vec<&mut Near> = pairs.iter_mut().filter(|pair| pair.is_due(ways.of(pair.bodies) + way)).collect();
+        let mut due: Vec<&mut Near> = contacts.pairs.iter_mut().filter(|pair| pair.is_due()).collect();
         if due.is_empty() {
             return;
         }
         let (bodies, now) = (posed(blocks, outlines, ahead), Moment { look: *looks, skin: age.skin() });
         due.par_iter_mut().with_min_len(PAIRS).for_each(|pair| {
             let born = parted.contains(&pair.bodies) || pair.bodies.iter().any(|body| newborn.contains(body));
-            pair.seek(&bodies, ways.of(pair.bodies), now, born);
+            pair.seek(&bodies, now, born);
         });
         contacts.unlist();
     }

@@ -1,67 +1,86 @@
 //! How far bodies have moved. Two bodies with a gap between the places that may touch need no look before they have moved by as much; what is not looked at changes no bit of a result.
 
+use super::Pose;
 use super::contact::PosedBlock;
-use super::{BlockContact, Other, Pose};
+use super::pair::{Site, gap};
 use crate::math::vector::{dot, less};
 
 /// Share of the reach of a body by which gaps are taken to be smaller, for rounding.
 pub(super) const HAIR: f64 = 1e-9;
 
-/// Bounds on the ways of bodies. They are not saved: a run that is continued looks at all contacts first.
+/// How bodies have moved between the last two looks. It is not saved: a run that is continued looks at all contacts first.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Ways {
-    /// Pose of each body when forces were last computed.
+    /// Pose of each body at the last look.
     poses: Vec<Pose>,
-    /// Way of each body since the first time, summed: no place of it has moved further, m.
-    ways: Vec<f64>,
+    /// What each of them has moved by since the look before.
+    moves: Vec<Move>,
+}
+
+/// What a body has moved by.
+#[derive(Clone, Copy, Debug, Default)]
+struct Move {
+    /// Way of its centre, m.
+    by: [f64; 3],
+    /// Bound on what its rotation has moved any of its places by, m.
+    turned: f64,
+}
+
+impl Move {
+    /// Of a body of this reach, m, from one pose to another. A rotation by θ moves a place by 2 sin(θ/2) times its distance from the axis at most, and the three axes of the body by
+    /// √8 sin(θ/2), as the root of the sum of squares.
+    fn between(from: &Pose, to: &Pose, reach: f64) -> Move {
+        let turned: f64 = from.axes.iter().zip(&to.axes).map(|(a, b)| less(*b, *a)).map(|d| dot(d, d)).sum();
+        // a hair for rounding
+        Move { by: less(to.centre, from.centre), turned: (1.0 + HAIR) * reach * (0.5 * turned).sqrt() }
+    }
 }
 
 impl Ways {
     /// Memory in use, bytes.
     pub fn bytes(&self) -> usize {
-        (size_of::<Pose>() + 8) * self.ways.capacity()
+        size_of::<Pose>() * self.poses.capacity() + size_of::<Move>() * self.moves.capacity()
     }
 
-    /// Sum of the ways of two bodies, m; 0 before the first time.
-    pub fn of(&self, bodies: [u32; 2]) -> f64 {
-        bodies.iter().map(|&k| self.ways.get(k as usize).copied().unwrap_or(0.0)).sum()
+    /// Bound on how much nearer any places of two bodies have come to each other between the last two looks, m.
+    pub fn between(&self, bodies: [u32; 2]) -> f64 {
+        let [a, b] = bodies.map(|k| &self.moves[k as usize]);
+        let by = less(a.by, b.by);
+        dot(by, by).sqrt() + a.turned + b.turned
     }
 
-    /// Adds the ways of all bodies to where they are now.
-    pub fn follow(&mut self, bodies: &[PosedBlock<'_>]) {
-        if self.ways.len() != bodies.len() {
+    /// Notes where the bodies are now, and returns whether any has moved.
+    pub fn follow(&mut self, bodies: &[PosedBlock<'_>]) -> bool {
+        if self.poses.len() != bodies.len() {
             self.poses = bodies.iter().map(|body| body.pose).collect();
-            self.ways = vec![0.0; bodies.len()];
+            self.moves = vec![Move::default(); bodies.len()];
+            return false;
         }
-        for ((body, pose), way) in bodies.iter().zip(&mut self.poses).zip(&mut self.ways) {
-            if *pose != body.pose {
-                *way += furthest(pose, &body.pose, body.block.solid().reach());
+        let mut any = false;
+        for ((body, pose), moved) in bodies.iter().zip(&mut self.poses).zip(&mut self.moves) {
+            if *pose == body.pose {
+                *moved = Move::default();
+            } else {
+                *moved = Move::between(pose, &body.pose, body.block.solid().reach());
                 *pose = body.pose;
+                any = true;
             }
         }
+        any
     }
 }
 
-/// Bound on the way of any place of a body of this reach, m, from one pose to another.
-fn furthest(from: &Pose, to: &Pose, reach: f64) -> f64 {
-    let way = less(to.centre, from.centre);
-    let turned: f64 = from.axes.iter().zip(&to.axes).map(|(a, b)| less(*b, *a)).map(|d| dot(d, d)).sum();
-    dot(way, way).sqrt() + reach * turned.sqrt()
-}
-
-/// A bound below on the gap between two bodies at a place that does not touch, m, less what rounding may make of it; 0 where none is known.
-pub(super) fn gap_at(body: &PosedBlock<'_>, bodies: &[PosedBlock<'_>], c: &BlockContact) -> f64 {
-    let Other::Block { block, site } = c.other else { return 0.0 };
-    let other = &bodies[block as usize];
-    let reach = body.block.solid().reach() + other.block.solid().reach();
-    super::pair::gap(body, other, site).map_or(0.0, |gap| (gap - HAIR * reach).max(0.0))
+/// A bound below on the gap between two bodies at a site that does not touch, m, less what rounding may make of it; 0 where none is known.
+pub(super) fn gap_at([first, second]: [&PosedBlock<'_>; 2], site: Site) -> f64 {
+    let reach = first.block.solid().reach() + second.block.solid().reach();
+    gap(first, second, site).map_or(0.0, |gap| (gap - HAIR * reach).max(0.0))
 }
 
 #[cfg(test)]
 mod tests {
     use super::super::Block;
     use super::super::motion::about;
-    use super::super::pair::{Outline, gap, meeting, sites};
+    use super::super::pair::{Outline, meeting, sites};
     use super::*;
     use crate::math::vector::scaled;
     use crate::shape::{Cuboid, Polyhedron, Shape};
@@ -105,7 +124,8 @@ mod tests {
             let mut moved = both.clone();
             moved[1].shift(scaled(way, 0.3 * share), scaled(spin, angle * share));
             let reach = both[1].solid().reach();
-            let by = furthest(&poses[1], &posed(&moved)[1], reach);
+            let Move { by, turned } = Move::between(&poses[1], &posed(&moved)[1], reach);
+            let by = dot(by, by).sqrt() + turned;
             let c = body(&moved[1], 1, posed(&moved)[1]);
             for (site, facet) in sites(&a, &b, 1.0) {
                 let Some(gap) = gap(&a, &b, site) else { continue };
