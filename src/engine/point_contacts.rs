@@ -70,6 +70,20 @@ impl Age {
     }
 }
 
+/// Where the force of a contact with a point acts on the continuum.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum ActsOn {
+    /// The face of the point ([`GhostFace`]), for slow tests: a ball that hits a ball of points of ten cells goes back with 4 % less of its speed when few faces bear it, with
+    /// the centres 1 %.
+    Face,
+    /// The centre of the point (Li et al. 2023, eq. 29; Jiang et al. 2020, eqs 46, 47).
+    #[default]
+    Centre,
+    /// The node that is nearest to the point: the scheme MPM-GRID of Jiang et al. 2020 (section 5.4), to compare with. What moves the node is not what the contact sees of the point, so
+    /// contacts do not keep their energy.
+    Node,
+}
+
 /// The face of a point's ghost on which a body presses: where the force acts on the material, and what the contact's overlap is measured from.
 ///
 /// At the first touch it lies on the line from the point to the body, a ghost radius from the point (Li et al. 2023, eq. 22). From then on it moves with
@@ -109,21 +123,25 @@ impl GhostFace {
         self.beyond = (self.beyond + way).min(Self::FURTHEST * cell);
     }
 
-    /// Pushes point `point` for the next step, at the face, or at its centre where there is none. `touch`: ghost radius and overlap, m.
+    /// Pushes point `point` for the next step: at the face if it has one, else as `acts_on` says. `touch`: ghost radius and overlap, m.
     pub fn push(
-        face: Option<GhostFace>,
+        (acts_on, face): (ActsOn, Option<GhostFace>),
         touch: [f64; 2],
         continuum: &mut Continuum,
         point: usize,
         force: [f64; 3],
         stiffness: f64,
     ) {
-        match face {
-            Some(face) => {
+        match (face, acts_on) {
+            (Some(face), _) => {
                 let offset = face.offset(touch[0], touch[1], continuum.settings().cell);
                 continuum.add_force_beside(point, force, stiffness, offset);
             }
-            None => continuum.add_external_force(point, force, stiffness),
+            (None, ActsOn::Node) => {
+                let offset = continuum.nearest_node(point);
+                continuum.add_force_beside(point, force, stiffness, offset);
+            }
+            (None, ActsOn::Face | ActsOn::Centre) => continuum.add_external_force(point, force, stiffness),
         }
     }
 
@@ -175,9 +193,8 @@ impl ContactRates {
 pub struct PointContactTable {
     /// Contact law of all point contacts.
     pub law: ContactLaw,
-    /// Whether contacts act on the faces of points ([`GhostFace`]), for slow tests; else on their centres (Li et al. 2023, eq. 29), for impacts: a ball that hits a
-    /// ball of points of ten cells goes back with 4 % less of its speed when few faces bear it, with the centres 1 %.
-    pub faces: bool,
+    /// Where the forces of contacts with grains and rigid bodies act.
+    pub acts_on: ActsOn,
     /// Pair of each constitutive law (outer) with each material of grains (inner).
     grains: Vec<Vec<Pair>>,
     /// Friction on grains and rigid bodies of each constitutive law that changes with plastic strain; empty where none does.
@@ -202,17 +219,17 @@ impl PointContactTable {
         let softening: Vec<Option<InterfaceFriction>> = fines.iter().map(softens).collect();
         PointContactTable {
             law,
-            faces: false,
+            acts_on: ActsOn::default(),
             grains: fines.iter().map(of_law).collect(),
             softening: if softening.iter().any(Option::is_some) { softening } else { Vec::new() },
             walls: walls.iter().map(on_wall).collect(),
         }
     }
 
-    /// The same table for contacts that act on the faces of points, or on their centres.
+    /// The same table for contacts whose forces act elsewhere.
     #[must_use]
-    pub fn with_faces(self, faces: bool) -> PointContactTable {
-        PointContactTable { faces, ..self }
+    pub fn acting_on(self, acts_on: ActsOn) -> PointContactTable {
+        PointContactTable { acts_on, ..self }
     }
 
     /// Number of walls that points touch.

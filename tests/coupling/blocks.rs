@@ -137,7 +137,7 @@ fn a_new_list_keeps_contacts_whole() {
     let blocks = m.mixture.blocks.as_mut().expect("bodies");
     let before = format!("{:?}", blocks.touching().collect::<Vec<_>>());
     assert_eq!(blocks.touching().count(), 4);
-    blocks.update(&m.mixture.grains.grains, &m.mixture.grains.walls, &m.continuum, 1e3).expect("a list");
+    blocks.update(&m.mixture.grains.grains, &m.mixture.grains.walls, &m.continuum, 1e3, 0.0).expect("a list");
     assert_eq!(before, format!("{:?}", blocks.touching().collect::<Vec<_>>()));
 }
 

@@ -175,7 +175,7 @@ impl Embedded {
             PointContactScene { grains, walls, continuum, table, unloading: physics.contact.unloading, dt: *dt, ahead: [0.0; 2] };
         point_contacts.evaluate(&scene);
         fines.released += point_contacts.release(&scene, fines.rule.release_strain);
-        point_contacts.apply_reactions(grains, &mut work.external_forces, 1.0, continuum, [1.0, 0.0]);
+        point_contacts.apply_reactions(grains, &mut work.external_forces, 1.0, (continuum, table.acts_on), [1.0, 0.0]);
         contact_stiffness.clear();
         contact_stiffness.resize(continuum.points().len(), 0.0);
         for contact in point_contacts.touching() {

@@ -16,7 +16,7 @@ use crate::grains::Grains;
 use crate::math::real::{Lanes, MOST_LANES, arch};
 use crate::math::vector::{dot, less, plus, scaled};
 use crate::mpm::Continuum;
-use crate::point_contacts::{GhostFace, PointContactTable};
+use crate::point_contacts::{ActsOn, GhostFace, PointContactTable};
 use pulp::{Simd, WithSimd};
 use rayon::prelude::*;
 use std::marker::PhantomData;
@@ -133,7 +133,7 @@ impl<L: Law, const LEDGER: bool> PointContactSweep<'_, L, LEDGER> {
             face.normal = geometry.normal;
             geometry.overlap += face.beyond;
             geometry.motion.centres = plus(geometry.motion.centres, less(spot.transport_velocity, face.velocity));
-        } else if self.scene.table.faces && of_ghost > 0.0 {
+        } else if self.scene.table.acts_on == ActsOn::Face && of_ghost > 0.0 {
             contact.face = Some(GhostFace::at_first_touch(geometry.normal, spot.transport_velocity));
         }
         if contact.reference > 0.0 {

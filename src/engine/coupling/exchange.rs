@@ -8,7 +8,7 @@ use crate::contact::sweep::r_eff;
 use crate::dem::physics::Physics;
 use crate::mpm::loading_plate::ghost_radius;
 use crate::mpm::{Continuum, Dimension};
-use crate::point_contacts::{GhostFace, PointContactTable};
+use crate::point_contacts::{ActsOn, GhostFace, PointContactTable};
 
 /// A contact that touches, or that has a face.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -143,7 +143,7 @@ impl Mixture {
                 spring: if physics.contact.law.is_viscous() { c.spring } else { [0.0; 3] },
                 stiffness: [c.stiffness, c.stiffness * ratio(physics.contact.law, pair)],
                 reference: c.reference,
-                face: c.face.filter(|_| table.faces),
+                face: c.face.filter(|_| table.acts_on == ActsOn::Face),
             }
         };
         let mut candidates: Vec<PointContact> = contacts.points.iter().map(of_point).collect();

@@ -386,11 +386,11 @@ impl Mixture {
             &self.grains.grains,
             &mut parts.work.external_forces,
             of_grains,
-            parts.continuum,
+            (parts.continuum, parts.table.acts_on),
             of_points,
         );
         if let Some(blocks) = &mut self.blocks {
-            blocks.apply_point_reactions(of_grains, parts.continuum, of_points);
+            blocks.apply_point_reactions(of_grains, (parts.continuum, parts.table.acts_on), of_points);
         }
     }
 

@@ -6,7 +6,7 @@ use crate::contact::pairs::ContactForce;
 use crate::grains::Grains;
 use crate::math::vector::{cross, dot, less, scaled};
 use crate::mpm::Continuum;
-use crate::point_contacts::{ContactRates, GhostFace};
+use crate::point_contacts::{ActsOn, ContactRates, GhostFace};
 
 impl PointContact {
     /// Elastic energy of the contact, J: `energy_factor` times normal force times overlap, and the energy of the tangential spring.
@@ -55,7 +55,7 @@ impl PointContacts {
         grains: &Grains,
         external_forces: &mut Vec<[[f64; 4]; 2]>,
         of_grains: f64,
-        continuum: &mut Continuum,
+        (continuum, acts_on): (&mut Continuum, ActsOn),
         [of_points, stiff]: [f64; 2],
     ) {
         external_forces.resize(grains.len(), [[0.0; 4]; 2]);
@@ -63,7 +63,7 @@ impl PointContacts {
             let ([body, point], force) = (contact.place.map(|p| p as usize), contact.touch.force());
             let [k_n, k_t] = contact.stiffness;
             let (push, stiffness) = (force.map(|f| -(of_points * f)), stiff * k_n.max(k_t));
-            GhostFace::push(contact.face, [contact.radius, contact.touch.overlap], continuum, point, push, stiffness);
+            GhostFace::push((acts_on, contact.face), [contact.radius, contact.touch.overlap], continuum, point, push, stiffness);
             if let Body::Grain(_) = contact.body {
                 let torque = torque(&contact.touch, grains.radius(body));
                 for a in 0..3 {

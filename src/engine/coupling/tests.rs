@@ -12,7 +12,7 @@ use crate::material::{InterfaceFriction, Material};
 use crate::math::vector::{cross, dot, less, plus, scaled};
 use crate::mpm::law::{Elastic, Law};
 use crate::mpm::{Continuum, Dimension, GridWall, Point, Points, Settings, ShapeFunctions, Transfer};
-use crate::point_contacts::{GhostFace, PointContactTable};
+use crate::point_contacts::{ActsOn, GhostFace, PointContactTable};
 use crate::rigid::{Block, Blocks};
 use crate::shape::{Cuboid, Shape};
 
@@ -99,7 +99,7 @@ struct Scene {
 
 impl Scene {
     fn new(physics: Physics, grains: Grains, walls: Vec<Wall>, continuum: Continuum) -> Scene {
-        let table = PointContactTable::new(physics.contact.law, &[0], &physics.materials, &walls).with_faces(true);
+        let table = PointContactTable::new(physics.contact.law, &[0], &physics.materials, &walls).acting_on(ActsOn::Face);
         let mut contacts = PointContacts::default();
         contacts.update(&grains, &walls, &continuum, 1e-6);
         Scene { physics, grains, walls, continuum, table, contacts }
@@ -159,7 +159,7 @@ fn both_ends_of_a_contact_are_pressed_at_one_place() {
         let contact = contacts.candidates[0];
         near(contact.touch.overlap, 2e-3 + beyond);
         let mut applied = Vec::new();
-        contacts.apply_reactions(grains, &mut applied, 1.0, continuum, [1.0, 0.0]);
+        contacts.apply_reactions(grains, &mut applied, 1.0, (continuum, ActsOn::Centre), [1.0, 0.0]);
         let [force, torque] = applied[0].map(|v| [v[0], v[1], v[2]]);
         assert!(dot(torque, torque) > 0.0);
         let on_point = cross(plus(at, contact.offset(0.125)), scaled(force, -1.0));
@@ -241,7 +241,7 @@ fn points_around_a_grain_have_the_force_of_hertz() {
 
     // the grain gets a share of the sum, points get shares of the opposite forces; as without points at first
     let mut external = vec![[[1.0, 2.0, 3.0, 0.0], [0.0; 4]]];
-    scene.contacts.apply_reactions(&scene.grains, &mut external, 0.25, &mut scene.continuum, [0.5, 1.0]);
+    scene.contacts.apply_reactions(&scene.grains, &mut external, 0.25, (&mut scene.continuum, ActsOn::Centre), [0.5, 1.0]);
     let [x, y, z, _] = external[0][0];
     near3([x - 1.0, y - 2.0, z - 3.0], scaled(sum, 0.25));
     let before = scene.continuum.totals().momentum;
@@ -300,7 +300,7 @@ fn tangential_force_and_torque_follow_the_slip_at_the_contact() {
         near3(contact.force(), less(tangential, scaled(n, force)));
         near(contact.energy(0.4), 0.4 * force * overlap + 0.5 * dot(tangential, tangential) / k_t);
         let mut external = Vec::new();
-        scene.contacts.apply_reactions(&scene.grains, &mut external, 1.0, &mut scene.continuum, [1.0, 0.0]);
+        scene.contacts.apply_reactions(&scene.grains, &mut external, 1.0, (&mut scene.continuum, ActsOn::Centre), [1.0, 0.0]);
         let [x, y, z, _] = external[0][1];
         near3([x, y, z], cross(scaled(n, R - 0.5 * overlap), tangential));
         // the second evaluation adds another step to the spring that sticks
@@ -540,7 +540,7 @@ impl Meeting {
         let mut continuum = continuum;
         let mut state = State::new(&physics, grains, walls, false);
         let work = Workspace::new(&physics, &mut state);
-        let table = PointContactTable::new(physics.contact.law, &[0], &physics.materials, &state.walls).with_faces(true);
+        let table = PointContactTable::new(physics.contact.law, &[0], &physics.materials, &state.walls).acting_on(ActsOn::Face);
         let mixture = Mixture::new(&physics, state, &mut continuum, None);
         Meeting { physics, table, work, continuum, mixture }
     }

@@ -9,6 +9,7 @@ use super::plan::{self, Dispatch};
 use super::shader::Uses;
 use super::{grains, shader};
 use crate::mpm::LoadingPlate;
+use crate::point_contacts::ActsOn;
 
 /// The pipelines, and the buffers that they are bound to.
 #[derive(Clone)]
@@ -41,7 +42,7 @@ impl Passes {
             held_walls: plan::held(walls),
             pressed: !plates.is_empty(),
             shells,
-            faces: grains.is_some_and(|g| g.table.faces),
+            faces: grains.is_some_and(|g| g.table.acts_on == ActsOn::Face),
             crushing: grains.is_some_and(|g| g.physics.crush.is_some()),
             fines: grains.is_some_and(|g| g.mixture.fines.is_some()),
         };

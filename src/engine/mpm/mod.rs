@@ -266,6 +266,16 @@ impl Continuum {
         self.work.external_forces.add_beside(i, self.points.len(), [x, y, z, stiffness], offset);
     }
 
+    /// From the centre of point `i` to the nearest node, m.
+    pub fn nearest_node(&self, i: usize) -> [f64; 3] {
+        let Settings { cell, lower, dimension, .. } = &self.settings;
+        let axes = if *dimension == Dimension::Space { 3 } else { 2 };
+        std::array::from_fn(|a| {
+            let at = self.points.position[i][a] - lower[a];
+            if a < axes { (at / cell).round() * cell - at } else { 0.0 }
+        })
+    }
+
     /// Velocity of the nodes, m/s, `offset` metres beside the centre of point `i`, by linear weights. To be called between a step and the next change of
     /// the points from outside.
     pub fn velocity_beside(&self, i: usize, offset: [f64; 3]) -> [f64; 3] {

@@ -394,6 +394,33 @@ mod tests {
         assert!(moment.iter().all(|m| m.abs() > 1e-7));
     }
 
+    /// A force at the node nearest to a point moves that node alone.
+    #[test]
+    fn a_force_at_the_nearest_node_moves_no_other() {
+        let mut c = block(|_| [0.0; 3]);
+        let (force, dt) = ([3.0, -2.0, 0.7], 1e-5);
+        let offset = c.nearest_node(200);
+        let place: [f64; 3] = std::array::from_fn(|a| c.points.position[200][a] + offset[a]);
+        assert!(offset.iter().all(|x| x.abs() <= 0.5 * c.settings.cell));
+        c.add_force_beside(200, force, 0.0, offset);
+        let settings = c.settings.clone();
+        sort::<3, _>(&mut c, BSpline);
+        pass::<{ stage::PROJECT }, 3, _>(&mut c, BSpline, dt);
+        c.work.grid.project::<3>(&c.work.blocks);
+        pass::<{ stage::FORCES }, 3, _>(&mut c, BSpline, dt);
+        pass::<{ stage::EXTERNAL }, 3, _>(&mut c, BSpline, dt);
+        let GridWorkspace { grid, blocks, .. } = &mut c.work;
+        grid.accelerate::<3>(blocks, &settings, dt, None);
+        for (n, (p, dv)) in grid.momentum.iter().zip(&grid.change).enumerate() {
+            let node = cell_at::<3>((blocks.node_keys[n / 64] << 6) | (n % 64) as u64);
+            let there = (0..3).all(|a| (settings.lower[a] + settings.cell * f64::from(node[a]) - place[a]).abs() < 1e-9);
+            for a in 0..3 {
+                let expected = if there { dt * force[a] } else { 0.0 };
+                assert!((dv[a] * p[3] - expected).abs() < 1e-16, "{node:?}: {dv:?}");
+            }
+        }
+    }
+
     /// In a field that is linear in space the velocity beside a point is that of the field there.
     #[test]
     fn velocities_beside_points_are_those_of_the_field() {

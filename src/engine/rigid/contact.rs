@@ -15,7 +15,7 @@ use crate::contact::{ContactLaw, TangentialUnloading};
 use crate::grains::Grains;
 use crate::math::vector::{cross, dot, less, plus, scaled};
 use crate::mpm::Continuum;
-use crate::point_contacts::{ContactRates, GhostFace, PointContactTable};
+use crate::point_contacts::{ActsOn, ContactRates, GhostFace, PointContactTable};
 use crate::shape::{Meet, Nearest};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -283,11 +283,16 @@ impl Blocks {
 
     /// Adds `of_blocks` times the force of each contact with a point to its body, and `of_points` times the opposite force, with `stiff` times the larger
     /// tangent stiffness, to the face of the point.
-    pub fn apply_point_reactions(&mut self, of_blocks: f64, continuum: &mut Continuum, [of_points, stiff]: [f64; 2]) {
+    pub fn apply_point_reactions(
+        &mut self,
+        of_blocks: f64,
+        (continuum, acts_on): (&mut Continuum, ActsOn),
+        [of_points, stiff]: [f64; 2],
+    ) {
         for c in self.contacts.touching().filter(|c| c.is_of_point()) {
             let (force, [k_n, k_t]) = (c.force(), c.stiffness);
             let (push, stiffness) = (force.map(|f| -(of_points * f)), stiff * k_n.max(k_t));
-            GhostFace::push(c.face, [c.radius, c.touch.overlap], continuum, c.place as usize, push, stiffness);
+            GhostFace::push((acts_on, c.face), [c.radius, c.touch.overlap], continuum, c.place as usize, push, stiffness);
             add_force_and_torque(&mut self.applied[c.block as usize], c, of_blocks);
         }
     }
@@ -572,7 +577,7 @@ fn touch<L: Law>(scene: &BlockScene<'_>, rules: &Rules, bodies: &[PosedBlock<'_>
         }
         return gap;
     };
-    if scene.point_table.faces && c.is_of_point() {
+    if scene.point_table.acts_on == ActsOn::Face && c.is_of_point() {
         match &mut c.face {
             Some(face) => face.normal = o.normal,
             face => *face = Some(GhostFace::at_first_touch(o.normal, o.velocity)),

@@ -4,6 +4,7 @@ use super::{GrainSpec, WallSpec};
 use engine::coupling::{Rates, Rule};
 use engine::mpm::law::Law;
 use engine::mpm::{Points, Settings};
+use engine::point_contacts::ActsOn;
 use engine::rigid::{Block, Joint, Programme};
 use std::f64::consts::{FRAC_PI_3, FRAC_PI_4};
 
@@ -80,8 +81,8 @@ pub struct CoarseGrains {
     pub rates: Option<Rates>,
     /// How the mass that breakages lose becomes points; `None`: it does not.
     pub fines: Option<Rule>,
-    /// Whether contacts act on the faces of points, else on their centres ([`engine::point_contacts::PointContactTable::faces`]).
-    pub faces: bool,
+    /// Where the forces of contacts with points act.
+    pub acts_on: ActsOn,
     /// Radius with which points touch rigid bodies that are no spheres, m; `None`: that of their ghosts.
     pub point_radius: Option<f64>,
 }

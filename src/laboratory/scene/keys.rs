@@ -761,9 +761,9 @@ const OWN: &[Key] = &[
     ),
     mixture(
         "contact.on_points",
-        Choice(&["face", "centre"]),
+        Choice(&["face", "centre", "node"]),
         Absent,
-        "where forces of contacts with grains and rigid bodies act on a point: face, where the grain is; centre (Li et al. 2023, eq. 29). If not written: face in a test between platens, centre in a free scene",
+        "where forces of contacts with grains and rigid bodies act on a point: face, where the grain is; centre (Li et al. 2023, eq. 29); node, the one nearest to the point, to compare with (MPM-GRID of Jiang et al. 2020, section 5.4; on the processor, without records.account). If not written: face in a test between platens, centre in a free scene",
     ),
     mixture(
         "contact.point_radius_mm",

@@ -15,6 +15,7 @@ use engine::grains::sphere_volume;
 use engine::material::Material;
 use engine::mpm::loading_plate::ghost_radius;
 use engine::mpm::{Dimension, Points};
+use engine::point_contacts::ActsOn;
 
 /// Keys that make spheres in a specimen.
 const SPHERES: [&str; 2] = ["coarse.mass_fraction", "growth.fines_diameter_mm"];
@@ -117,10 +118,12 @@ impl View<'_> {
             rig.left_out[0] = (rig.left_out[0] as f64 * (1.0 - taken)).round() as usize;
         }
         let fines = self.fines_as_points(materials, &rig, &grains)?;
-        let faces = match self.text("contact.on_points") {
-            "face" => true,
-            "centre" => false,
-            _ => test,
+        let acts_on = match self.text("contact.on_points") {
+            "face" => ActsOn::Face,
+            "centre" => ActsOn::Centre,
+            "node" => ActsOn::Node,
+            _ if test => ActsOn::Face,
+            _ => ActsOn::Centre,
         };
         self.check(
             point_radius.is_none() || !(blocks.is_empty() || self.is_without_points()),
@@ -138,7 +141,7 @@ impl View<'_> {
             point_materials,
             rates,
             fines,
-            faces,
+            acts_on,
             point_radius,
         };
         self.blocks_have_room(&rig, &coarse);

@@ -12,6 +12,7 @@ use crate::gpu::loading_plate::is_shell;
 use crate::gpu::state::ghost_radius;
 use crate::grains::Grains;
 use crate::mpm::{Points, Settings};
+use crate::point_contacts::ActsOn;
 use std::f64::consts::PI;
 
 /// Largest number of grid cells for the search of grains along an axis.
@@ -147,6 +148,9 @@ fn lacking(settings: &Settings, points: &Points, coarse: &CoarseGrains<'_>) -> V
     }
     if physics.crush.as_ref().is_some_and(|c| !c.criterion.weighs_radius()) {
         lacks("crushing.area_radius", "own".into(), "use pair");
+    }
+    if coarse.table.acts_on == ActsOn::Node {
+        lacks("contact.on_points", "node".into(), "use face or centre");
     }
     if physics.contact.unloading == TangentialUnloading::Rescale {
         lacks("contact.unloading", "rescale".into(), "use keep");

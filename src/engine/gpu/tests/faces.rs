@@ -14,7 +14,7 @@ use crate::math::vector::{dot, less};
 use crate::mpm::law::{Elastic, Law};
 use crate::mpm::loading_plate::{self, LoadingPlate};
 use crate::mpm::{Continuum, Dimension, GridWall, Point, Points, Settings, ShapeFunctions, Transfer};
-use crate::point_contacts::PointContactTable;
+use crate::point_contacts::{ActsOn, PointContactTable};
 
 /// Edge of a cell, m; step of the grain, s; steps in a step of the continuum.
 pub(super) const CELL: f64 = 0.1;
@@ -85,7 +85,7 @@ impl Impact {
         grains.spin[0][1] = 2.0;
         let mut state = State::new(&physics, grains, Vec::new(), false);
         let work = Workspace::new(&physics, &mut state);
-        let table = PointContactTable::new(physics.contact.law, &[0], &physics.materials, &[]).with_faces(true);
+        let table = PointContactTable::new(physics.contact.law, &[0], &physics.materials, &[]).acting_on(ActsOn::Face);
         let mixture = Mixture::new(&physics, state, &mut continuum, fines);
         Impact { physics, table, work, continuum, mixture, plates: Vec::new() }
     }

@@ -8,6 +8,7 @@ use crate::model::Model;
 use ::engine::check::{self, Checked};
 use ::engine::coupling::GrainWorks;
 use ::engine::mpm::law::Law;
+use ::engine::point_contacts::ActsOn;
 use serde::{Deserialize, Serialize};
 
 /// Energies when the account was opened, J.
@@ -93,6 +94,10 @@ impl State {
     pub(super) fn open_account(&mut self, rig: &MpmTest) -> Result<()> {
         if rig.coarse.as_ref().is_some_and(|c| !c.blocks.is_empty()) {
             let message = "is not available with [[block]]: contacts of rigid bodies keep no account of their work";
+            return Err(Error::input("the scene", "records.account", Some("true".into()), message));
+        }
+        if rig.coarse.as_ref().is_some_and(|c| c.acts_on == ActsOn::Node) {
+            let message = "is not available with contact.on_points = \"node\": such contacts do not keep their energy";
             return Err(Error::input("the scene", "records.account", Some("true".into()), message));
         }
         if rig.laws.iter().any(Law::stiffens) {

@@ -14,7 +14,7 @@ use ::engine::mpm::loading_plate::ghost_radius;
 use ::engine::mpm::{Continuum, Dimension, LoadingPlate};
 #[cfg(feature = "gpu")]
 use ::engine::mpm::{Points, Settings};
-use ::engine::point_contacts::PointContactTable;
+use ::engine::point_contacts::{ActsOn, PointContactTable};
 use ::engine::rigid::{Block, Blocks};
 
 /// A fixed rigid plane without friction.
@@ -127,7 +127,7 @@ fn point_table(model: &Model, rig: &MpmTest, mixture: &Mixture) -> PointContactT
     // in a test the loading plates and the walls of the grid act on the points themselves
     let walls: &[Wall] = if rig.specimen().is_some() { &[] } else { &mixture.grains.walls };
     PointContactTable::new(model.physics.contact.law, point_materials, &model.physics.materials, walls)
-        .with_faces(rig.coarse.as_ref().is_some_and(|c| c.faces))
+        .acting_on(rig.coarse.as_ref().map_or_else(ActsOn::default, |c| c.acts_on))
 }
 
 /// Working memory and contact parameters of a mixture on the CPU. It can be made anew from the state between any two cycles.
