@@ -353,6 +353,17 @@ mod tests {
         c
     }
 
+    /// A step up to where the nodes have their new velocities.
+    fn accelerate_nodes(c: &mut Continuum, dt: f64) {
+        sort::<3, _>(c, BSpline);
+        pass::<{ stage::PROJECT }, 3, _>(c, BSpline, dt);
+        c.work.grid.project::<3>(&c.work.blocks);
+        pass::<{ stage::FORCES }, 3, _>(c, BSpline, dt);
+        pass::<{ stage::EXTERNAL }, 3, _>(c, BSpline, dt);
+        let GridWorkspace { grid, blocks, .. } = &mut c.work;
+        grid.accelerate::<3>(blocks, &c.settings, dt, None);
+    }
+
     /// A force beside a point gives the nodes its impulse and its moment about the origin.
     #[test]
     fn a_force_beside_a_point_arrives_with_its_moment() {
@@ -368,14 +379,8 @@ mod tests {
             }
         }
         // the nodes just before the points move: momentum of the points alone is that of a later time
-        let settings = c.settings.clone();
-        sort::<3, _>(&mut c, BSpline);
-        pass::<{ stage::PROJECT }, 3, _>(&mut c, BSpline, dt);
-        c.work.grid.project::<3>(&c.work.blocks);
-        pass::<{ stage::FORCES }, 3, _>(&mut c, BSpline, dt);
-        pass::<{ stage::EXTERNAL }, 3, _>(&mut c, BSpline, dt);
-        let GridWorkspace { grid, blocks, .. } = &mut c.work;
-        grid.accelerate::<3>(blocks, &settings, dt, None);
+        accelerate_nodes(&mut c, dt);
+        let (settings, GridWorkspace { grid, blocks, .. }) = (&c.settings, &c.work);
         let (mut given, mut turned) = ([0.0; 3], [0.0; 3]);
         for (n, (p, dv)) in grid.momentum.iter().zip(&grid.change).enumerate() {
             let node = cell_at::<3>((blocks.node_keys[n / 64] << 6) | (n % 64) as u64);
@@ -403,14 +408,8 @@ mod tests {
         let place: [f64; 3] = std::array::from_fn(|a| c.points.position[200][a] + offset[a]);
         assert!(offset.iter().all(|x| x.abs() <= 0.5 * c.settings.cell));
         c.add_force_beside(200, force, 0.0, offset);
-        let settings = c.settings.clone();
-        sort::<3, _>(&mut c, BSpline);
-        pass::<{ stage::PROJECT }, 3, _>(&mut c, BSpline, dt);
-        c.work.grid.project::<3>(&c.work.blocks);
-        pass::<{ stage::FORCES }, 3, _>(&mut c, BSpline, dt);
-        pass::<{ stage::EXTERNAL }, 3, _>(&mut c, BSpline, dt);
-        let GridWorkspace { grid, blocks, .. } = &mut c.work;
-        grid.accelerate::<3>(blocks, &settings, dt, None);
+        accelerate_nodes(&mut c, dt);
+        let (settings, GridWorkspace { grid, blocks, .. }) = (&c.settings, &c.work);
         for (n, (p, dv)) in grid.momentum.iter().zip(&grid.change).enumerate() {
             let node = cell_at::<3>((blocks.node_keys[n / 64] << 6) | (n % 64) as u64);
             let there = (0..3).all(|a| (settings.lower[a] + settings.cell * f64::from(node[a]) - place[a]).abs() < 1e-9);

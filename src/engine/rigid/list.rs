@@ -54,7 +54,8 @@ impl Contacts {
     /// What is wrong, in words.
     pub fn check(&self) -> Checked {
         let keys: Vec<_> = self.all().into_iter().map(BlockContact::key).collect();
-        let pairs_sorted = self.pairs.windows(2).all(|w| w[0].bodies < w[1].bodies);
+        let pairs_sorted =
+            self.pairs.windows(2).all(|w| w[0].bodies < w[1].bodies) && self.pairs.iter().all(|p| p.bodies[0] < p.bodies[1]);
         let others = self.others.iter().all(|c| c.other.partner_body().is_none());
         let of_pair =
             |pair: &Near| pair.contacts.iter().all(|c| (c.block, c.other.partner_body()) == (pair.bodies[0], Some(pair.bodies[1])));

@@ -8,6 +8,7 @@ use super::contact::PosedBlock;
 use super::pair::{Site, clearance, sites};
 use super::ways::HAIR;
 use super::{BlockContact, Other};
+use crate::shape::Rounded;
 use serde::{Deserialize, Serialize};
 
 /// Skin of a pair of convex bodies over that of the list: at first, and the least.
@@ -92,11 +93,10 @@ impl Near {
     /// Seeks its sites. `born`: the overlaps that are found are without a force. Contacts at sites that are found again keep their history.
     pub fn seek(&mut self, bodies: &[PosedBlock<'_>], now: Moment, born: bool) {
         let [first, second] = self.bodies.map(|k| &bodies[k as usize]);
-        let all = |is: fn(&crate::shape::Rounded) -> bool| {
-            [first, second].iter().all(|body| body.outline.is_some_and(|outline| is(&outline.body)))
-        };
-        let skin = match self.sought.filter(|_| all(crate::shape::Rounded::is_convex)) {
-            None if all(crate::shape::Rounded::is_convex) => SHARE[0] * now.skin,
+        let all =
+            |is: fn(&Rounded) -> bool| [first, second].iter().all(|body| body.outline.is_some_and(|outline| is(&outline.body)));
+        let skin = match self.sought.filter(|_| all(Rounded::is_convex)) {
+            None if all(Rounded::is_convex) => SHARE[0] * now.skin,
             None => now.skin,
             Some(last) => {
                 let looks = now.look - last.look;
@@ -116,7 +116,7 @@ impl Near {
         let found = if gap < skin { sites(first, second, skin) } else { Vec::new() };
         self.contacts.retain(|c| found.iter().any(|&(site, facet)| c.is_at(site, facet)));
         let before = std::mem::take(&mut self.asleep);
-        let sleeps = all(crate::shape::Rounded::has_gaps) && !born;
+        let sleeps = all(Rounded::has_gaps) && !born;
         for (site, facet) in found {
             if self.contacts.iter().any(|c| c.is_at(site, facet)) {
                 continue;
