@@ -301,15 +301,13 @@ impl Blocks {
     pub fn apply_grain_and_wall_reactions(&mut self, grains: &Grains, external_forces: &mut Vec<[[f64; 4]; 2]>) {
         external_forces.resize(grains.len(), [[0.0; 4]; 2]);
         for c in self.contacts.touching().filter(|c| !c.is_of_point()) {
-            let (force, torque) = (c.force(), c.torque());
-            let applied = &mut self.applied[c.block as usize];
-            *applied = [plus(applied[0], force), plus(applied[1], torque)];
+            add_force_and_torque(&mut self.applied[c.block as usize], c, 1.0);
             match c.other {
                 Other::Grain(_) => {
                     let i = c.place as usize;
                     let arm = c.share * (grains.radius(i) - 0.5 * c.touch.overlap);
                     // what acts beside goes through the centre of the grain
-                    let torque = scaled(cross(c.touch.normal, c.touch.tangential), arm);
+                    let (force, torque) = (c.force(), scaled(cross(c.touch.normal, c.touch.tangential), arm));
                     for a in 0..3 {
                         external_forces[i][0][a] -= force[a];
                         external_forces[i][1][a] += torque[a];
@@ -317,10 +315,10 @@ impl Blocks {
                 }
                 Other::Block { block, .. } => {
                     // equal and opposite, about the centre of the second
-                    let (first, second) = (c.block as usize, block as usize);
-                    let between = less(self.blocks[first].centre, self.blocks[second].centre);
+                    let (second, force) = (block as usize, c.force());
+                    let torque = c.torque_about(&self.blocks, second);
                     let applied = &mut self.applied[second];
-                    *applied = [less(applied[0], force), less(applied[1], plus(torque, cross(between, force)))];
+                    *applied = [less(applied[0], force), less(applied[1], torque)];
                 }
                 Other::Point(_) | Other::Wall { .. } => {}
             }

@@ -95,9 +95,9 @@ impl Near {
         let [first, second] = self.bodies.map(|k| &bodies[k as usize]);
         let all =
             |is: fn(&Rounded) -> bool| [first, second].iter().all(|body| body.outline.is_some_and(|outline| is(&outline.body)));
-        let skin = match self.sought.filter(|_| all(Rounded::is_convex)) {
-            None if all(Rounded::is_convex) => SHARE[0] * now.skin,
-            None => now.skin,
+        let skin = match self.sought {
+            _ if !all(Rounded::is_convex) => now.skin,
+            None => SHARE[0] * now.skin,
             Some(last) => {
                 let looks = now.look - last.look;
                 let factor = if looks < LOOKS / 2 {

@@ -25,7 +25,6 @@ impl Blocks {
     pub fn update(&mut self, grains: &Grains, walls: &[Wall], continuum: &Continuum, way: f64, ahead: f64) -> Result<()> {
         let alive = [grains.len(), continuum.points().len()];
         self.outline();
-        self.contacts.follow(&posed(&self.blocks, &self.outlines, ahead));
         self.passable(continuum)?;
         self.looks += 1;
         if let Some(skin) = self.age.due(way, alive, continuum.settings().cell) {
@@ -173,11 +172,12 @@ impl Blocks {
         let Blocks { contacts, blocks, outlines, age, looks, breaking, drives, .. } = self;
         let newborn = breaking.as_mut().map_or(Vec::new(), |breaking| std::mem::take(&mut breaking.newborn));
         let parted = drives.as_mut().map_or(Vec::new(), |drives| std::mem::take(&mut drives.parted));
+        let (bodies, now) = (posed(blocks, outlines, ahead), Moment { look: *looks, skin: age.skin() });
+        contacts.follow(&bodies);
         let mut due: Vec<&mut Near> = contacts.pairs.iter_mut().filter(|pair| pair.is_due()).collect();
         if due.is_empty() {
             return;
         }
-        let (bodies, now) = (posed(blocks, outlines, ahead), Moment { look: *looks, skin: age.skin() });
         due.par_iter_mut().with_min_len(PAIRS).for_each(|pair| {
             let born = parted.contains(&pair.bodies) || pair.bodies.iter().any(|body| newborn.contains(body));
             pair.seek(&bodies, now, born);
