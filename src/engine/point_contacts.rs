@@ -82,6 +82,9 @@ pub enum ActsOn {
     /// The node that is nearest to the point: the scheme MPM-GRID of Jiang et al. 2020 (section 5.4), to compare with. What moves the node is not what the contact sees of the point, so
     /// contacts do not keep their energy.
     Node,
+    /// The nodes that the points and rigid bodies both reach, where the two may not approach each other ([`crate::mpm::BodyPoint`]): the scheme MPM-DEM of the same section. Points then
+    /// touch no rigid body by themselves.
+    MutualNodes,
 }
 
 /// The face of a point's ghost on which a body presses: where the force acts on the material, and what the contact's overlap is measured from.
@@ -141,7 +144,7 @@ impl GhostFace {
                 let offset = continuum.nearest_node(point);
                 continuum.add_force_beside(point, force, stiffness, offset);
             }
-            (None, ActsOn::Face | ActsOn::Centre) => continuum.add_external_force(point, force, stiffness),
+            (None, ActsOn::Face | ActsOn::Centre | ActsOn::MutualNodes) => continuum.add_external_force(point, force, stiffness),
         }
     }
 

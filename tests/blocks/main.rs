@@ -1,5 +1,6 @@
 //! Rigid bodies among themselves, without points: momenta, energy, and what statics says of stacks, slopes and arches. Each test states its error.
 
+mod at_nodes;
 mod breaking;
 mod breaking_compounds;
 #[path = "../common/mod.rs"]

@@ -367,9 +367,11 @@ impl Mixture {
 
     /// One step of the continuum and of the loading plates.
     fn step_continuum(&mut self, parts: &mut Parts<'_>, dt: f64) -> Result<()> {
-        parts.continuum.step(dt)?;
+        let mut of_bodies = self.blocks.as_mut().map_or(Vec::new(), |blocks| blocks.body_points());
+        parts.continuum.step_beside(dt, &mut of_bodies)?;
         self.point_contacts.follow_faces(parts.continuum, dt);
         if let Some(blocks) = &mut self.blocks {
+            blocks.take_impulses(&of_bodies, dt);
             blocks.follow_faces(&self.grains.grains, parts.continuum, dt);
         }
         if let Some(isolated) = self.isolated_bound.take() {

@@ -52,17 +52,9 @@ impl NodeGrid {
         self.walls.project(&self.momentum, &mut self.velocity);
     }
 
-    /// Accelerates the nodes, v ← v + Δt f/m, with the tiles' forces, gravity and local damping (Li et al. 2023, eq. 28), and with the effect of walls. Returns the
-    /// force of each wall on the material, N.
-    pub fn accelerate<const D: usize>(
-        &mut self,
-        blocks: &CellBlocks,
-        settings: &Settings,
-        dt: f64,
-        mut account: Option<&mut NodeAccount<'_>>,
-    ) -> [[f64; 3]; 6] {
-        let tiles = &self.tiles;
-        let (g, damping) = (settings.gravity, settings.damping);
+    /// Sets the changes of the nodes' velocities by the tiles' forces and gravity, Δt f/m (Li et al. 2023, eq. 28).
+    pub fn change<const D: usize>(&mut self, blocks: &CellBlocks, settings: &Settings, dt: f64) {
+        let (tiles, g) = (&self.tiles, settings.gravity);
         let arrays = self.momentum.par_chunks_exact(cells(D)).zip(self.change.par_chunks_exact_mut(cells(D)));
         arrays.enumerate().with_min_len(TASK).for_each(|(n, (momentum, change))| {
             // `change` holds forces first, then changes of velocity
@@ -74,6 +66,16 @@ impl NodeGrid {
                 *f = [(f[0] + m * g[0]) * over, (f[1] + m * g[1]) * over, (f[2] + m * g[2]) * over, f[3] / mass];
             }
         });
+    }
+
+    /// Accelerates the nodes by the changes of this step, v ← v + Δv, with the effect of walls and local damping. Returns the force of each wall on the material, N.
+    pub fn accelerate<const D: usize>(
+        &mut self,
+        settings: &Settings,
+        dt: f64,
+        mut account: Option<&mut NodeAccount<'_>>,
+    ) -> [[f64; 3]; 6] {
+        let damping = settings.damping;
         if let Some(account) = &mut account {
             account.before_walls(&self.momentum, &self.change, self.walls.nodes());
         }

@@ -7,6 +7,7 @@
 
 pub mod account;
 mod blocks;
+mod body_points;
 mod check;
 mod external_forces;
 mod grid;
@@ -23,6 +24,7 @@ mod transfer;
 mod walls;
 
 pub use account::EnergyAccount;
+pub use body_points::BodyPoint;
 pub use check::with_plates;
 pub use loading_plate::LoadingPlate;
 pub use measure::Totals;
@@ -335,7 +337,15 @@ impl Continuum {
     /// A point that is lost: it has no finite position or velocity, has left the domain, has moved by more than a cell, or its volume is not positive. The
     /// error names the lowest identity of such points and what to do; the state is then useless.
     pub fn step(&mut self, dt: f64) -> Result<()> {
-        step::step(self, dt)
+        self.step_beside(dt, &mut [])
+    }
+
+    /// As [`Self::step`], with contacts of the material with these points of rigid bodies at the nodes that both reach; sets the impulses on these.
+    ///
+    /// # Errors
+    /// As [`Self::step`].
+    pub fn step_beside(&mut self, dt: f64, bodies: &mut [BodyPoint]) -> Result<()> {
+        step::step(self, dt, bodies)
     }
 
     /// Stable time step, s: `safety` times the smallest h/(c + |v|) of all points, with the edge of a cell h, the velocity v of the point and the speed c of

@@ -7,6 +7,7 @@
 
 use super::account::{NodeAccount, OfBlock, kinetic_of_points};
 use super::blocks::{CellBlocks, STAYS, block_corner, cell_key, tile};
+use super::body_points::{BodyPoint, Nodes};
 use super::external_forces::ExternalForces;
 use super::grid::{NodeGrid, node_in_tile};
 use super::pass::{BlockSlices, Fault, Pass, cell_of, run, stage};
@@ -101,20 +102,20 @@ impl GridWorkspace {
     }
 }
 
-/// Makes one step of `dt` seconds.
+/// Makes one step of `dt` seconds, with contacts with these points of rigid bodies at nodes ([`Nodes`]).
 ///
 /// # Errors
 /// A point that is lost.
-pub fn step(c: &mut Continuum, dt: f64) -> Result<()> {
+pub fn step(c: &mut Continuum, dt: f64, bodies: &mut [BodyPoint]) -> Result<()> {
     if c.points.is_empty() {
         c.step += 1;
         return Ok(());
     }
     match (c.settings.dimension, c.settings.shape) {
-        (Dimension::PlaneStrain, ShapeFunctions::BSpline) => stages::<2, _>(c, BSpline, dt),
-        (Dimension::PlaneStrain, ShapeFunctions::Gimp { half_width }) => stages::<2, _>(c, Gimp(half_width), dt),
-        (Dimension::Space, ShapeFunctions::BSpline) => stages::<3, _>(c, BSpline, dt),
-        (Dimension::Space, ShapeFunctions::Gimp { half_width }) => stages::<3, _>(c, Gimp(half_width), dt),
+        (Dimension::PlaneStrain, ShapeFunctions::BSpline) => stages::<2, _>(c, BSpline, dt, bodies),
+        (Dimension::PlaneStrain, ShapeFunctions::Gimp { half_width }) => stages::<2, _>(c, Gimp(half_width), dt, bodies),
+        (Dimension::Space, ShapeFunctions::BSpline) => stages::<3, _>(c, BSpline, dt, bodies),
+        (Dimension::Space, ShapeFunctions::Gimp { half_width }) => stages::<3, _>(c, Gimp(half_width), dt, bodies),
     }
 }
 
@@ -150,7 +151,7 @@ pub fn velocity_beside<const D: usize>(c: &Continuum, i: usize, offset: [f64; 3]
 }
 
 /// The stages of a step in `D` dimensions.
-fn stages<const D: usize, S: ShapeFunction>(c: &mut Continuum, shape: S, dt: f64) -> Result<()> {
+fn stages<const D: usize, S: ShapeFunction>(c: &mut Continuum, shape: S, dt: f64, bodies: &mut [BodyPoint]) -> Result<()> {
     c.step += 1;
     c.work.faults.store(u64::MAX, Ordering::Relaxed);
     if !c.work.ready {
@@ -166,8 +167,12 @@ fn stages<const D: usize, S: ShapeFunction>(c: &mut Continuum, shape: S, dt: f64
     }
     // eq. 28: velocities of the nodes, walls
     let GridWorkspace { grid, blocks, free, .. } = &mut c.work;
+    grid.change::<D>(blocks, &c.settings, dt);
+    if !bodies.is_empty() {
+        Nodes { shape, settings: &c.settings, blocks, points: &c.points, grid: &mut *grid }.touch::<D>(bodies);
+    }
     let mut account = c.account.as_mut().map(|sums| NodeAccount { sums, free });
-    c.wall_force = grid.accelerate::<D>(blocks, &c.settings, dt, account.as_mut());
+    c.wall_force = grid.accelerate::<D>(&c.settings, dt, account.as_mut());
     if counted {
         pass::<{ stage::WORK }, D, S>(c, shape, dt);
         add_sums(c);
@@ -361,7 +366,8 @@ mod tests {
         pass::<{ stage::FORCES }, 3, _>(c, BSpline, dt);
         pass::<{ stage::EXTERNAL }, 3, _>(c, BSpline, dt);
         let GridWorkspace { grid, blocks, .. } = &mut c.work;
-        grid.accelerate::<3>(blocks, &c.settings, dt, None);
+        grid.change::<3>(blocks, &c.settings, dt);
+        grid.accelerate::<3>(&c.settings, dt, None);
     }
 
     /// A force beside a point gives the nodes its impulse and its moment about the origin.

@@ -1,6 +1,7 @@
 //! Forces of all contacts of rigid bodies, and their addition to bodies, grains, points and walls.
 
 use super::list::Contacts;
+use super::motion::Yield;
 use super::near::Near;
 use super::pair::{DEEPEST, Meeting, Outline, Overlap, Site, corner_on_facets, meeting};
 use super::ways::gap_at;
@@ -289,6 +290,9 @@ impl Blocks {
         (continuum, acts_on): (&mut Continuum, ActsOn),
         [of_points, stiff]: [f64; 2],
     ) {
+        if continuum.points().is_empty() {
+            return;
+        }
         for c in self.contacts.touching().filter(|c| c.is_of_point()) {
             let (force, [k_n, k_t]) = (c.force(), c.stiffness);
             let (push, stiffness) = (force.map(|f| -(of_points * f)), stiff * k_n.max(k_t));
@@ -350,12 +354,13 @@ impl Blocks {
             most.points = self.first_touch;
         }
         let touching = self.contacts.touching();
+        let yields: Vec<Yield> = self.blocks.iter().map(Block::most_yield).collect();
         for c in touching.clone() {
             let ([k_n, k_t], i) = (c.stiffness.map(|k| c.share * k), c.place as usize);
             let k = k_n.max(k_t);
             let mut add = |body: u32, arm: [f64; 3]| {
                 let sum = &mut of_blocks[body as usize];
-                *sum += k * self.blocks[body as usize].most_yield(arm);
+                *sum += k * yields[body as usize].at(arm);
                 most.grains = most.grains.max(*sum);
             };
             add(c.block, c.arm);
@@ -398,6 +403,8 @@ pub(super) struct PosedBlock<'a> {
     pub block: &'a Block,
     pub pose: Pose,
     pub spin: [f64; 3],
+    /// [`Block::yields`].
+    pub yields: (f64, [f64; 3]),
     /// What other bodies touch of it.
     pub outline: Option<&'a Outline>,
 }
@@ -447,7 +454,7 @@ fn ends_at(borders: &[(u32, Overlap)]) -> (Option<[Overlap; 4]>, Vec<u32>) {
 impl<'a> PosedBlock<'a> {
     /// The body `ahead` seconds from now.
     pub fn new(block: &'a Block, outline: Option<&'a Outline>, ahead: f64) -> PosedBlock<'a> {
-        PosedBlock { block, pose: block.pose(ahead), spin: block.spin(), outline }
+        PosedBlock { block, pose: block.pose(ahead), spin: block.spin(), yields: block.yields(), outline }
     }
 
     /// Contact of facet `facet` with a sphere, if they overlap.
@@ -464,7 +471,7 @@ impl<'a> PosedBlock<'a> {
 
     /// Inverse of the effective mass of the body, 1/kg, for an impulse along `normal` at the end of `arm`.
     pub fn inverse_mass(&self, arm: [f64; 3], normal: [f64; 3]) -> f64 {
-        let ((mass, moments), turn) = (self.block.yields(), self.pose.inwards(cross(arm, normal)));
+        let ((mass, moments), turn) = (self.yields, self.pose.inwards(cross(arm, normal)));
         (0..3).fold(mass, |sum, a| sum + turn[a] * turn[a] * moments[a])
     }
 }

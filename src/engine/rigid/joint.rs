@@ -304,7 +304,7 @@ impl Joint {
         let mut sums = [0.0; 2];
         for (block, anchor) in ends.into_iter().zip(bond.anchors) {
             let Some(block) = block else { continue };
-            sums[0] += block.most_yield(anchor);
+            sums[0] += block.most_yield().at(anchor);
             sums[1] += block.yields().1.into_iter().fold(0.0, f64::max);
         }
         let of = |values: &[f64; 4]| [0, 2].iter().zip(sums).map(|(&k, sum)| values[k].max(values[k + 1]) * sum).sum::<f64>();

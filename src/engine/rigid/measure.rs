@@ -111,6 +111,9 @@ impl Blocks {
             let sum = &mut sums[body as usize][kind];
             *sum = plus(*sum, force);
         };
+        for (body, [force, _]) in (0..).zip(self.forces_at_nodes()) {
+            add(body, 0, *force);
+        }
         for c in self.touching() {
             let force = c.force();
             match c.other {
@@ -134,6 +137,9 @@ impl Blocks {
     /// Torque of all that touches body `block` and of its joints about its centre of mass, N m.
     pub fn torque(&self, block: usize) -> [f64; 3] {
         let mut sum = self.joint_torque(block);
+        if let Some([_, torque]) = self.forces_at_nodes().get(block) {
+            sum = plus(sum, *torque);
+        }
         for c in self.touching() {
             if c.block as usize == block {
                 sum = plus(sum, c.torque());

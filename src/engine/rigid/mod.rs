@@ -15,6 +15,7 @@
 //!
 //! A face that lies on many points has many contacts. They are stored here and not with those of the grains, so scenes without such bodies pay nothing.
 
+mod at_nodes;
 mod breaking;
 mod contact;
 mod drive;
@@ -43,6 +44,7 @@ use crate::math::vector::plus;
 use crate::mpm::Continuum;
 use crate::point_contacts::Age;
 use crate::shape::{Shape, Solid};
+use at_nodes::AtNodes;
 use list::Contacts;
 use pair::Outline;
 use serde::{Deserialize, Serialize};
@@ -135,6 +137,8 @@ pub struct Blocks {
     point_radius: Option<f64>,
     /// Square of the angular frequency, 1/s², that the first touch of a point has, by a contact law whose stiffness does not begin at zero.
     first_touch: f64,
+    /// How the bodies touch points at the nodes of the grid; `None`: they touch each point by itself.
+    at_nodes: Option<Box<AtNodes>>,
     /// Age of the list.
     age: Age,
     /// How the bodies break; `None`: they do not.
@@ -197,6 +201,11 @@ impl Blocks {
             (Some(drives), Some(made)) => drives.check(made)?,
             (None, None) => {}
             _ => return Err("rigid bodies are driven or joined which are not in the scene, or are not which are".into()),
+        }
+        match (&self.at_nodes, &made.at_nodes) {
+            (Some(at_nodes), Some(made)) => at_nodes.check(made)?,
+            (None, None) => {}
+            _ => return Err("rigid bodies touch points at nodes which do not in the scene, or do not which do".into()),
         }
         self.age.check()?;
         let with_points = |b: &Blocks| (b.point_radius, b.first_touch);

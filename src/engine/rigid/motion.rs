@@ -87,6 +87,21 @@ fn unit(q: [f64; 4]) -> [f64; 4] {
     q.map(|x| x / length)
 }
 
+/// Upper bound on how a body yields to forces; one that is driven does not.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Yield {
+    inverse_mass: f64,
+    /// Least moment of inertia, kg m².
+    least: f64,
+}
+
+impl Yield {
+    /// How fast the end of `arm` gives way to a force at most, 1/kg: 1/m + r²/I with the least moment.
+    pub fn at(&self, arm: [f64; 3]) -> f64 {
+        self.inverse_mass + dot(arm, arm) / self.least
+    }
+}
+
 impl Block {
     /// Position and orientation after `ahead` seconds of free motion.
     pub fn pose(&self, ahead: f64) -> Pose {
@@ -121,13 +136,10 @@ impl Block {
         if self.driven { (0.0, [0.0; 3]) } else { (1.0 / self.mass, self.moments.map(|moment| 1.0 / moment)) }
     }
 
-    /// Upper bound on how fast the end of `arm` gives way to a force, 1/kg: 1/m + r²/I with the least moment.
-    pub fn most_yield(&self, arm: [f64; 3]) -> f64 {
-        if self.driven {
-            return 0.0;
-        }
+    /// Upper bound on how it yields to forces ([`Yield`]).
+    pub(super) fn most_yield(&self) -> Yield {
         let least = self.moments.into_iter().fold(f64::INFINITY, f64::min);
-        1.0 / self.mass + dot(arm, arm) / least
+        if self.driven { Yield { inverse_mass: 0.0, least: f64::INFINITY } } else { Yield { inverse_mass: 1.0 / self.mass, least } }
     }
 
     /// One step: changes velocity and angular momentum (but of a driven body) by a force, N, and a torque, N m, over `kick` seconds, then moves the body for `dt` seconds.

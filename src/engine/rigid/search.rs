@@ -151,10 +151,12 @@ impl Blocks {
             };
             let far = solid.reach() + widest;
             let corners = [-far, far].map(|by| std::array::from_fn(|a| pose.centre[a] + by));
-            continuum.visit(corners, |i| {
-                let radius = radius_of(points.solid(i));
-                near(&points.position[i], radius + beyond + skin, &mut found, Other::Point(points.id[i]), i, radius);
-            });
+            if self.at_nodes.is_none() {
+                continuum.visit(corners, |i| {
+                    let radius = radius_of(points.solid(i));
+                    near(&points.position[i], radius + beyond + skin, &mut found, Other::Point(points.id[i]), i, radius);
+                });
+            }
             for (i, p) in grains.pos.iter().enumerate() {
                 near(p, p[3] + skin, &mut found, Other::Grain(grains.id[i]), i, p[3]);
             }

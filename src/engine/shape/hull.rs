@@ -130,36 +130,47 @@ impl Hull {
         self.faces.iter().map(|face| dot(face.normal, at) - face.offset).fold(f64::NEG_INFINITY, f64::max) - self.rounding
     }
 
-    /// The nearest point on the triangles in front of which the position lies. Parry's projection on a triangle uses + − × ÷ only.
+    /// The nearest point of the surface. Nothing is nearer than the plane of the face in front of which the position lies furthest: where the foot on that plane is inside of the face, no other face is
+    /// looked at.
     pub fn nearest(&self, at: [f64; 3]) -> Nearest {
-        let (point, mut least) = (Vector::from(at), f64::INFINITY);
-        let (mut deepest, mut found) = (f64::NEG_INFINITY, [0.0; 3]);
-        for face in &self.faces {
-            let before = dot(face.normal, at) - face.offset;
-            // two triangles of one flat face may not agree which side a position in their plane is on
-            if before <= ON_FACE * self.reach {
-                // for a position inside of all faces: the nearest face
-                if least == f64::INFINITY && before > deepest {
-                    (deepest, found) = (before, face.normal);
-                }
-                continue;
-            }
-            if before * before >= least {
-                continue;
-            }
-            let [a, b, c] = face.corners.map(|k| Vector::from(self.corners[k as usize]));
-            let (projection, place) = Triangle::new(a, b, c).project_local_point_and_get_location(point, false);
-            let on_face = matches!(place, TrianglePointLocation::OnFace(..));
-            let out = if on_face { scaled(face.normal, before) } else { less(at, projection.point.into()) };
-            let square = dot(out, out);
-            if square < least {
-                (least, found) = (square, out);
+        let before = |face: &HullFace| dot(face.normal, at) - face.offset;
+        let (mut most, mut facing) = (f64::NEG_INFINITY, None);
+        for (k, face) in self.faces.iter().enumerate() {
+            let before = before(face);
+            if before > most {
+                (most, facing) = (before, Some((k, face)));
             }
         }
-        if least == f64::INFINITY {
-            return Nearest { distance: deepest - self.rounding, normal: found };
+        let Some((mut of, face)) = facing else { return Nearest { distance: most, normal: [0.0; 3] } };
+        // two triangles of one flat face may not agree which side a position in their plane is on
+        let hair = ON_FACE * self.reach;
+        if most <= hair {
+            return Nearest { distance: most - self.rounding, normal: face.normal };
+        }
+        let (mut out, inside) = self.foot(face, most, at);
+        let mut least = dot(out, out);
+        let others: &[HullFace] = if inside { &[] } else { &self.faces };
+        for (k, face) in others.iter().enumerate() {
+            let before = before(face);
+            if before <= hair || before * before >= least {
+                continue;
+            }
+            let (theirs, _) = self.foot(face, before, at);
+            let square = dot(theirs, theirs);
+            // of equally near ones the first
+            if (square, k) < (least, of) {
+                (least, of, out) = (square, k, theirs);
+            }
         }
         let distance = least.sqrt();
-        Nearest { distance: distance - self.rounding, normal: scaled(found, 1.0 / distance) }
+        Nearest { distance: distance - self.rounding, normal: scaled(out, 1.0 / distance) }
+    }
+
+    /// From the nearest point of a face to a position that lies `before` it, m, and whether that point is inside of the face. Parry's projection on a triangle uses + − × ÷ only.
+    fn foot(&self, face: &HullFace, before: f64, at: [f64; 3]) -> ([f64; 3], bool) {
+        let [a, b, c] = face.corners.map(|k| Vector::from(self.corners[k as usize]));
+        let (projection, place) = Triangle::new(a, b, c).project_local_point_and_get_location(Vector::from(at), false);
+        let inside = matches!(place, TrianglePointLocation::OnFace(..));
+        (if inside { scaled(face.normal, before) } else { less(at, projection.point.into()) }, inside)
     }
 }

@@ -55,6 +55,21 @@ impl Ring {
         })
     }
 
+    /// Places that stand for the polygon (Jiang et al. 2020, section 1, of blocks of Liu et al.): its corners, as far out as they are round, the middles of its sides, and the origin. Of a disc the ends of two
+    /// diameters and the origin.
+    pub fn landmarks(&self) -> Vec<[f64; 3]> {
+        let r = self.rounding;
+        let mut places: Vec<[f64; 3]> = Vec::new();
+        for ([p, q], normal) in self.sides() {
+            places.extend([scaled(p, 1.0 + r / dot(p, p).sqrt()), plus(scaled(plus(p, q), 0.5), scaled(normal, r))]);
+        }
+        if let [only] = self.corners[..] {
+            places.extend([[r, 0.0, 0.0], [0.0, r, 0.0], [-r, 0.0, 0.0], [0.0, -r, 0.0]].map(|way| plus(only, way)));
+        }
+        places.push([0.0; 3]);
+        places
+    }
+
     /// Whether sides of two rings, without what is round, cross each other.
     pub fn cross(first: &Ring, second: &Ring) -> bool {
         // on which side of p q a place lies

@@ -27,7 +27,7 @@ pub const PREVIOUS: &str = "checkpoint.previous.bin";
 /// Name of a checkpoint that is being written.
 pub const TEMPORARY: &str = "checkpoint.tmp";
 /// First line of every checkpoint; its number rises with every change of the format.
-const FORMAT: &[u8] = b"comminute checkpoint 20\n";
+const FORMAT: &[u8] = b"comminute checkpoint 21\n";
 /// What the first line of a checkpoint of any format begins with.
 const ANY_FORMAT: &[u8] = b"comminute checkpoint ";
 /// Largest factor by which LZ4 can shrink anything: a longer content is a lie.

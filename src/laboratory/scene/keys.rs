@@ -761,9 +761,9 @@ const OWN: &[Key] = &[
     ),
     mixture(
         "contact.on_points",
-        Choice(&["face", "centre", "node"]),
+        Choice(&["face", "centre", "node", "mutual_nodes"]),
         Absent,
-        "where forces of contacts with grains and rigid bodies act on a point: face, where the grain is; centre (Li et al. 2023, eq. 29); node, the one nearest to the point, to compare with (MPM-GRID of Jiang et al. 2020, section 5.4; on the processor, without records.account). If not written: face in a test between platens, centre in a free scene",
+        "where forces of contacts with grains and rigid bodies act on a point: face, where the grain is; centre (Li et al. 2023, eq. 29); two more to compare with (Jiang et al. 2020, section 5.4; on the processor, without records.account): node, the one nearest to the point (MPM-GRID there), and mutual_nodes, those that points and polygons both reach, where the two may not approach each other (MPM-DEM there; polygons are some points of their own, and contact.point_radius_mm is not used). If not written: face in a test between platens, centre in a free scene",
     ),
     mixture(
         "contact.point_radius_mm",

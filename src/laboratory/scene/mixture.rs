@@ -16,6 +16,8 @@ use engine::material::Material;
 use engine::mpm::loading_plate::ghost_radius;
 use engine::mpm::{Dimension, Points};
 use engine::point_contacts::ActsOn;
+use engine::rigid::Block;
+use engine::shape::Shape;
 
 /// Keys that make spheres in a specimen.
 const SPHERES: [&str; 2] = ["coarse.mass_fraction", "growth.fines_diameter_mm"];
@@ -122,9 +124,13 @@ impl View<'_> {
             "face" => ActsOn::Face,
             "centre" => ActsOn::Centre,
             "node" => ActsOn::Node,
+            "mutual_nodes" => ActsOn::MutualNodes,
             _ if test => ActsOn::Face,
             _ => ActsOn::Centre,
         };
+        if acts_on == ActsOn::MutualNodes {
+            self.touches_at_nodes(&blocks, &point_materials, materials);
+        }
         self.check(
             point_radius.is_none() || !(blocks.is_empty() || self.is_without_points()),
             "contact.point_radius_mm",
@@ -151,6 +157,25 @@ impl View<'_> {
             self.refuse("grid.cell_mm", why);
         }
         Some(rig)
+    }
+
+    /// Refuses what contacts at mutual nodes are not made for: only polygons of a free scene, which do not break, without grains, in a continuum of one material.
+    fn touches_at_nodes(&self, blocks: &[Block], point_materials: &[u8], materials: &[Material]) {
+        let polygons = !blocks.is_empty() && blocks.iter().all(|block| matches!(block.shape, Shape::Polygon(_)));
+        let bodies = polygons && self.list("grain").is_empty() && self.text("test.rig") == "free" && !self.flag("crushing.enabled");
+        let softens = |m: &u8| materials[usize::from(*m)].interface_friction.is_some_and(|friction| friction.decay > 0.0);
+        let one = point_materials.len() == 1 && !point_materials.iter().any(softens);
+        let key = "contact.on_points";
+        self.check(
+            bodies,
+            key,
+            "may be mutual_nodes only where points touch polygons that do not break, in a free scene without grains",
+        );
+        self.check(
+            one,
+            key,
+            "may be mutual_nodes only with one material of the points, whose friction does not change with plastic strain",
+        );
     }
 
     /// Refuses walls under servo that a mixture cannot have: a cylinder, whose area would have to be that of its content, and a wall whose largest speed does not follow from the materials.

@@ -149,8 +149,10 @@ fn lacking(settings: &Settings, points: &Points, coarse: &CoarseGrains<'_>) -> V
     if physics.crush.as_ref().is_some_and(|c| !c.criterion.weighs_radius()) {
         lacks("crushing.area_radius", "own".into(), "use pair");
     }
-    if coarse.table.acts_on == ActsOn::Node {
-        lacks("contact.on_points", "node".into(), "use face or centre");
+    match coarse.table.acts_on {
+        ActsOn::Node => lacks("contact.on_points", "node".into(), "use face or centre"),
+        ActsOn::MutualNodes => lacks("contact.on_points", "mutual_nodes".into(), "use face or centre"),
+        ActsOn::Face | ActsOn::Centre => {}
     }
     if physics.contact.unloading == TangentialUnloading::Rescale {
         lacks("contact.unloading", "rescale".into(), "use keep");

@@ -70,6 +70,10 @@ pub fn mixture(model: &Model, rig: &MpmTest, coarse: &CoarseGrains, continuum: &
         let blocks = Blocks::new(coarse.blocks.clone())
             .with_points(coarse.point_radius, first_touch(model, rig, coarse))
             .with_drives(coarse.programmes.clone(), coarse.joints.clone());
+        let blocks = match coarse.acts_on {
+            ActsOn::MutualNodes => blocks.at_nodes(friction_at_nodes(model, coarse)),
+            ActsOn::Face | ActsOn::Centre | ActsOn::Node => blocks,
+        };
         mixture.blocks = Some(Box::new(match &model.physics.crush {
             Some(crush) => blocks.with_breakage(crush),
             None => blocks,
@@ -78,6 +82,12 @@ pub fn mixture(model: &Model, rig: &MpmTest, coarse: &CoarseGrains, continuum: &
         mixture.grains.walls.iter_mut().rev().zip(plates).for_each(|(wall, _)| wall.drive = Drive::Programme);
     }
     mixture
+}
+
+/// Coefficient of friction of each rigid body with the only constitutive law of the continuum.
+fn friction_at_nodes(model: &Model, coarse: &CoarseGrains) -> Vec<f64> {
+    let table = PointContactTable::new(model.physics.contact.law, &coarse.point_materials, &model.physics.materials, &[]);
+    coarse.blocks.iter().map(|block| table.of_grain(0, block.material).friction).collect()
 }
 
 /// Square of the angular frequency, 1/s², of the lightest point at its first touch of a rigid body, by a law whose stiffness does not begin at zero.
