@@ -38,6 +38,7 @@ fn what_cannot_touch_at_nodes_is_refused() {
     let folder = tempfile::tempdir().expect("folder");
     let bodies = "may be mutual_nodes only where points touch polygons that do not break";
     for (from, to, says) in [
+        ("position_mm = [87.55, 5.0, 0.0]", "position_mm = [87.55, 5.0, 0.0]\nheld = [\"y\"]", bodies),
         ("[records]", "[crushing]\nenabled = true\n[records]", bodies),
         ("plane_strain = true", "", "needs grid.plane_strain = true"),
     ] {

@@ -37,7 +37,9 @@ impl Blocks {
 
     /// The points that stand for the bodies at the nodes, body by body; none where the material touches the bodies by its own points.
     pub fn body_points(&mut self) -> Vec<BodyPoint> {
-        self.outline();
+        if self.at_nodes.is_some() {
+            self.outline();
+        }
         let Some(at_nodes) = &self.at_nodes else { return Vec::new() };
         let mut found = Vec::new();
         for (((body, block), outline), &friction) in (0_u32..).zip(&self.blocks).zip(&self.outlines).zip(&at_nodes.friction) {

@@ -38,6 +38,9 @@ pub(super) const FLAT: f64 = 1e-9;
 /// Positions less than this share of the reach in front of a face lie on it.
 const ON_FACE: f64 = 1e-13;
 
+/// Share of its distance by which a position may be nearer to the plane of another triangle of the same flat face.
+const FLUSH: f64 = 1e-6;
+
 /// The hull of a set of corners, if it has a volume.
 fn solid(corners: &[[f64; 3]]) -> Option<ConvexPolyhedron> {
     let corners: Vec<Vector> = corners.iter().map(|&p| Vector::from(p)).collect();
@@ -130,8 +133,8 @@ impl Hull {
         self.faces.iter().map(|face| dot(face.normal, at) - face.offset).fold(f64::NEG_INFINITY, f64::max) - self.rounding
     }
 
-    /// The nearest point of the surface. Nothing is nearer than the plane of the face in front of which the position lies furthest: where the foot on that plane is inside of the face, no other face is
-    /// looked at.
+    /// The nearest point of the surface. Nothing is nearer than the plane of the face in front of which the position lies furthest: where the foot on that plane is inside of the face, only
+    /// others of the same plane are looked at, as the normals of narrow triangles are not exact.
     pub fn nearest(&self, at: [f64; 3]) -> Nearest {
         let before = |face: &HullFace| dot(face.normal, at) - face.offset;
         let (mut most, mut facing) = (f64::NEG_INFINITY, None);
@@ -141,25 +144,24 @@ impl Hull {
                 (most, facing) = (before, Some((k, face)));
             }
         }
-        let Some((mut of, face)) = facing else { return Nearest { distance: most, normal: [0.0; 3] } };
+        let Some((facing, face)) = facing else { return Nearest { distance: most, normal: [0.0; 3] } };
         // two triangles of one flat face may not agree which side a position in their plane is on
         let hair = ON_FACE * self.reach;
         if most <= hair {
             return Nearest { distance: most - self.rounding, normal: face.normal };
         }
-        let (mut out, inside) = self.foot(face, most, at);
-        let mut least = dot(out, out);
-        let others: &[HullFace] = if inside { &[] } else { &self.faces };
-        for (k, face) in others.iter().enumerate() {
+        let (first, inside) = self.foot(face, most, at);
+        let above = if inside { (1.0 - FLUSH) * most } else { hair };
+        let (mut least, mut out) = (f64::INFINITY, first);
+        for (k, face) in self.faces.iter().enumerate() {
             let before = before(face);
-            if before <= hair || before * before >= least {
+            if before <= above || before * before >= least {
                 continue;
             }
-            let (theirs, _) = self.foot(face, before, at);
+            let theirs = if k == facing { first } else { self.foot(face, before, at).0 };
             let square = dot(theirs, theirs);
-            // of equally near ones the first
-            if (square, k) < (least, of) {
-                (least, of, out) = (square, k, theirs);
+            if square < least {
+                (least, out) = (square, theirs);
             }
         }
         let distance = least.sqrt();

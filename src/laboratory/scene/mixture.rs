@@ -16,7 +16,7 @@ use engine::material::Material;
 use engine::mpm::loading_plate::ghost_radius;
 use engine::mpm::{Dimension, Points};
 use engine::point_contacts::ActsOn;
-use engine::rigid::Block;
+use engine::rigid::Programme;
 use engine::shape::Shape;
 
 /// Keys that make spheres in a specimen.
@@ -128,9 +128,6 @@ impl View<'_> {
             _ if test => ActsOn::Face,
             _ => ActsOn::Centre,
         };
-        if acts_on == ActsOn::MutualNodes {
-            self.touches_at_nodes(&blocks, &point_materials, materials);
-        }
         self.check(
             point_radius.is_none() || !(blocks.is_empty() || self.is_without_points()),
             "contact.point_radius_mm",
@@ -150,6 +147,9 @@ impl View<'_> {
             acts_on,
             point_radius,
         };
+        if acts_on == ActsOn::MutualNodes {
+            self.touches_at_nodes(&coarse, materials);
+        }
         self.blocks_have_room(&rig, &coarse);
         self.grains_have_room(&rig, &coarse.grains);
         rig.coarse = Some(coarse);
@@ -159,18 +159,17 @@ impl View<'_> {
         Some(rig)
     }
 
-    /// Refuses what contacts at mutual nodes are not made for: only polygons of a free scene, which do not break, without grains, in a continuum of one material.
-    fn touches_at_nodes(&self, blocks: &[Block], point_materials: &[u8], materials: &[Material]) {
+    /// Refuses what contacts at mutual nodes are not made for: only polygons of a free scene, which do not break and are not held, pushed or joined, without grains, in a continuum of one material.
+    fn touches_at_nodes(&self, coarse: &CoarseGrains, materials: &[Material]) {
+        let CoarseGrains { blocks, programmes, joints, .. } = coarse;
         let polygons = !blocks.is_empty() && blocks.iter().all(|block| matches!(block.shape, Shape::Polygon(_)));
-        let bodies = polygons && self.list("grain").is_empty() && self.text("test.rig") == "free" && !self.flag("crushing.enabled");
+        let free = joints.is_empty() && programmes.iter().all(Programme::is_none) && !self.flag("crushing.enabled");
+        let alone = coarse.grains.is_empty() && self.text("test.rig") == "free";
         let softens = |m: &u8| materials[usize::from(*m)].interface_friction.is_some_and(|friction| friction.decay > 0.0);
-        let one = point_materials.len() == 1 && !point_materials.iter().any(softens);
+        let one = coarse.point_materials.len() == 1 && !coarse.point_materials.iter().any(softens);
         let key = "contact.on_points";
-        self.check(
-            bodies,
-            key,
-            "may be mutual_nodes only where points touch polygons that do not break, in a free scene without grains",
-        );
+        let bodies = "may be mutual_nodes only where points touch polygons that do not break and are not held, pushed or joined, in a free scene without grains";
+        self.check(polygons && free && alone, key, bodies);
         self.check(
             one,
             key,
