@@ -257,7 +257,7 @@ fn plus_sign(at: [f64; 3], more: &str) -> String {
 }
 
 /// A U of three boxes that end on each other, and of three rounded polyhedra whose hulls have faces in common.
-fn letter_u(at: [f64; 3], more: &str, rounded: bool) -> String {
+pub fn letter_u(at: [f64; 3], more: &str, rounded: bool) -> String {
     let boxes = [
         [[-50.0, -15.0, -20.0], [50.0, 15.0, 0.0]],
         [[-50.0, -15.0, 0.0], [-30.0, 15.0, 60.0]],

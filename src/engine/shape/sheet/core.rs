@@ -10,7 +10,7 @@ use crate::math::vector::{dot, less, scaled};
 use crate::shape::core::{Core, CoreMeet, Seen};
 
 /// Share of a distance within which two count as equal, for rounding.
-const HAIR: f64 = 1e-12;
+const HAIR: f64 = 1e-11;
 /// Share of the square of a distance by which the nearest place of a facet may lie aside of the plane's.
 const ASIDE: f64 = 1e-14;
 
