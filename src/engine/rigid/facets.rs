@@ -91,7 +91,8 @@ mod tests {
     fn sheet() -> Block {
         let profile = [[-2.0, 0.5], [-1.0, 0.0], [0.0, 0.1], [1.0, -0.4], [1.2, 1.0]];
         let vertices: Vec<[f64; 3]> = profile.iter().flat_map(|[x, z]| [-1.5, 1.5].map(|y| [*x, y, *z])).collect();
-        let triangles: Vec<[u32; 3]> = (0..4).flat_map(|k| [[2 * k, 2 * k + 1, 2 * k + 3], [2 * k, 2 * k + 3, 2 * k + 2]]).collect();
+        let triangles: Vec<[u32; 3]> =
+            (0..4).flat_map(|k| [[2 * k, 2 * k + 1, 2 * k + 3], [2 * k, 2 * k + 3, 2 * k + 2]]).collect();
         Block::new(Shape::Mesh(Sheet::of(&vertices, &triangles, 0.05).expect("a sheet")), 1.0, 0)
     }
 

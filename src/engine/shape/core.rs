@@ -61,21 +61,26 @@ impl<'a> Core<'a> {
         [low.map(|x| x - within), high.map(|x| x + within)]
     }
 
-    /// Where the core is nearest to a convex body, if they are no further from each other than `beyond`, m. `about`: place of that body, m, at best the one that is nearest to the centre of the core. Where they
-    /// cut each other the distance is 0, and the place is that.
-    pub(super) fn nearest_to(&self, body: impl Fn([f64; 3]) -> [f64; 3], about: [f64; 3], beyond: f64) -> Option<Apart> {
+    /// Where the core is nearest to a convex body, if they are no further from each other than `beyond`, m. `about`: the place of that body, m, that is nearest to the centre of the core; where they
+    /// cut each other the distance is 0, and the place is that. `start`: direction from the core to the body, unit vector, if it is about known.
+    pub(super) fn nearest_to(
+        &self,
+        body: impl Fn([f64; 3]) -> [f64; 3],
+        (about, start): ([f64; 3], Option<[f64; 3]>),
+        beyond: f64,
+    ) -> Option<Apart> {
         let away = less(about, self.centre);
         let length = dot(away, away).sqrt();
         if length > self.reach + beyond {
             return None;
         }
-        let start = if length > 0.0 { scaled(away, 1.0 / length) } else { [0.0, 0.0, 1.0] };
+        let start = start.unwrap_or_else(|| if length > 0.0 { scaled(away, 1.0 / length) } else { [0.0, 0.0, 1.0] });
         let found = apart(|n| self.furthest(n), body, start, [beyond, 0.0])?;
         Some(if found.distance == 0.0 { Apart { on_first: about, ..found } } else { found })
     }
 
     /// As [`Self::nearest_to`], for the hull of some corners.
-    pub(super) fn nearest_to_hull(&self, corners: &[[f64; 3]], about: [f64; 3], beyond: f64) -> Option<Apart> {
+    pub(super) fn nearest_to_hull(&self, corners: &[[f64; 3]], about: ([f64; 3], Option<[f64; 3]>), beyond: f64) -> Option<Apart> {
         self.nearest_to(|towards| furthest(corners, towards), about, beyond)
     }
 }

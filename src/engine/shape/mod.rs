@@ -22,9 +22,9 @@ mod steiner;
 mod superquadric;
 mod tangent;
 
+pub use self::core::{Core, CoreMeet, Seen};
 pub use apart::{Apart, apart};
 pub use compound::{Compound, Convex, Frame, MOST_PARTS, Part, Piece, PlacedCompound, Union};
-pub use self::core::{Core, CoreMeet, Seen};
 pub use cuboid::Cuboid;
 pub use cut::Fragment;
 pub use hull::{Hull, HullFace};

@@ -93,7 +93,7 @@ impl Part {
         }
         let from = self.nearest(core.centre);
         let about = less(core.centre, scaled(from.normal, from.distance + hull.rounding));
-        let found = core.nearest_to(|towards| hull.furthest(towards), about, within + hull.rounding)?;
+        let found = core.nearest_to(|towards| hull.furthest(towards), (about, None), within + hull.rounding)?;
         if found.distance == 0.0 {
             return Some(Seen { at: about, nearest: Nearest { distance: -hull.rounding, normal: from.normal } });
         }

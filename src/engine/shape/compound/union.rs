@@ -183,7 +183,7 @@ impl Union {
             }
             let planes = [plane(&own, on.at), plane(&theirs.nearest, theirs.at)];
             let crease = crease([part, other], planes, self.hair, |planes| core_behind(planes, core));
-            let seen = crease.and_then(|place| core.nearest_to_hull(&[place], place, within));
+            let seen = crease.and_then(|place| core.nearest_to_hull(&[place], (place, None), within));
             borders.extend(seen.filter(|edge| edge.distance > 0.0).map(|edge| {
                 let nearest = Nearest { distance: edge.distance, normal: edge.normal.map(|x| -x) };
                 (k, Seen { at: edge.on_first, nearest })
@@ -289,6 +289,6 @@ fn core_behind([(m, p), (n, q)]: [Plane; 2], core: &Core<'_>) -> Option<[f64; 3]
     };
     let about = onto(core.centre);
     let half = scaled(line, 2.0 * core.reach / square.sqrt());
-    let found = core.nearest_to_hull(&[less(about, half), plus(about, half)], about, f64::INFINITY)?;
+    let found = core.nearest_to_hull(&[less(about, half), plus(about, half)], (about, None), f64::INFINITY)?;
     (found.distance > 0.0).then(|| onto(plus(found.on_first, scaled(found.normal, found.distance))))
 }

@@ -73,18 +73,21 @@ impl Sheet {
 
     /// The place of the core that is nearest to a facet, if that is nearer than `far`, m.
     fn on_facet(&self, facet: u32, core: &Core<'_>, far: f64) -> Option<OnFacet> {
-        if let Some(found) = self.above(facet, core, far) {
-            return Some(found);
-        }
+        let start = match self.above(facet, core, far) {
+            Ok(found) => return Some(found),
+            Err(start) => start,
+        };
         let mut near = Vec::new();
-        self.visit_facet(facet, core.around(far), |t| near.push(t));
+        self.visit_facet(facet, || core.around(far), |t| near.push(t));
         near.sort_unstable();
         let (mut best, mut beyond) = (None, far);
         for t in near {
             let about = less(core.centre, self.foot(t, core.centre).out);
             let corners = self.0.triangles[t].map(|k| self.0.vertices[k as usize]);
             // of equally near ones the lowest
-            if let Some(found) = core.nearest_to_hull(&corners, about, beyond).filter(|found| best.is_none() || found.distance < beyond) {
+            if let Some(found) =
+                core.nearest_to_hull(&corners, (about, start), beyond).filter(|found| best.is_none() || found.distance < beyond)
+            {
                 (best, beyond) = (Some((found.on_first, t)), found.distance);
             }
         }
@@ -96,10 +99,11 @@ impl Sheet {
         Some(OnFacet { at, foot, triangle })
     }
 
-    /// The same of a core that lies wholly on one side of the plane of a facet, with the facet under its lowest point: the usual case.
-    fn above(&self, facet: u32, core: &Core<'_>, far: f64) -> Option<OnFacet> {
+    /// The same of a core that lies wholly on one side of the plane of a facet, with the facet under its lowest point: the usual case. Else the direction from that point to the facet, if it is near.
+    fn above(&self, facet: u32, core: &Core<'_>, far: f64) -> Result<OnFacet, Option<[f64; 3]>> {
         let normals = &self.0.topology.normals;
-        let mut of = *self.0.topology.members.get(facet as usize)?.first()? as usize;
+        let first = self.0.topology.members.get(facet as usize).and_then(|members| members.first());
+        let (mut of, mut start) = (*first.ok_or(None)? as usize, None);
         // triangles of a facet may be turned against each other by a little
         for _ in 0..2 {
             let (normal, corner) = (normals[of], self.0.vertices[self.0.triangles[of][0] as usize]);
@@ -107,25 +111,33 @@ impl Sheet {
             let at = core.furthest(out.map(|x| -x));
             let height = dot(out, less(at, corner));
             if height <= 0.0 {
-                return None;
+                return Err(None);
             }
-            let (foot, triangle) = self.nearest_on(Some(facet), at, far)?;
-            if foot.square <= height * height * (1.0 + ASIDE) {
-                return Some(OnFacet { at, foot, triangle });
+            let (foot, triangle) = self.nearest_on(Some(facet), at, 2.0 * far).ok_or(start)?;
+            if foot.square <= height * height * (1.0 + ASIDE) && foot.square < far * far {
+                return Ok(OnFacet { at, foot, triangle });
+            }
+            start = (foot.square > 0.0).then(|| scaled(foot.out, -1.0 / foot.square.sqrt()));
+            if triangle == of {
+                break;
             }
             of = triangle;
         }
-        None
+        Err(start)
     }
 
     /// Other facets at the sides and vertices of a facet that are nearer to a core than `far`, m, with some more.
     fn beside(&self, facet: u32, core: &Core<'_>, far: f64) -> Vec<u32> {
         let of = &self.0.topology.facet;
         let mut found = Vec::new();
-        self.visit_facet(facet, core.around(far), |t| {
-            let about = self.0.triangles[t].iter().flat_map(|k| &self.0.topology.around[*k as usize]);
-            found.extend(about.map(|other| of[*other as usize]).filter(|other| *other != facet));
-        });
+        self.visit_facet(
+            facet,
+            || core.around(far),
+            |t| {
+                let about = self.0.triangles[t].iter().flat_map(|k| &self.0.topology.around[*k as usize]);
+                found.extend(about.map(|other| of[*other as usize]).filter(|other| *other != facet));
+            },
+        );
         found.sort_unstable();
         found.dedup();
         found
@@ -136,25 +148,31 @@ impl Sheet {
         let (topology, vertices) = (&self.0.topology, &self.0.vertices);
         let is_other = |t: u32| t != NONE && topology.facet[t as usize] == other;
         let (mut sides, mut single): (Vec<[u32; 2]>, Vec<u32>) = Default::default();
-        self.visit_facet(facet, core.around(far), |t| {
-            let triangle = self.0.triangles[t];
-            for k in 0..3 {
-                let (i, j) = (triangle[k], triangle[(k + 1) % 3]);
-                if is_other(topology.beyond[t][k]) {
-                    sides.push([i.min(j), i.max(j)]);
+        self.visit_facet(
+            facet,
+            || core.around(far),
+            |t| {
+                let triangle = self.0.triangles[t];
+                for k in 0..3 {
+                    let (i, j) = (triangle[k], triangle[(k + 1) % 3]);
+                    if is_other(topology.beyond[t][k]) {
+                        sides.push([i.min(j), i.max(j)]);
+                    }
+                    if topology.around[i as usize].iter().any(|t| is_other(*t)) {
+                        single.push(i);
+                    }
                 }
-                if topology.around[i as usize].iter().any(|t| is_other(*t)) {
-                    single.push(i);
-                }
-            }
-        });
+            },
+        );
         sides.sort_unstable();
         single.sort_unstable();
         single.dedup();
         single.retain(|k| !sides.as_flattened().contains(k));
         let (mut best, mut beyond) = (None, far);
         let mut take = |corners: &[[f64; 3]], about: [f64; 3]| {
-            if let Some(found) = core.nearest_to_hull(corners, about, beyond).filter(|found| best.is_none() || found.distance < beyond) {
+            if let Some(found) =
+                core.nearest_to_hull(corners, (about, None), beyond).filter(|found| best.is_none() || found.distance < beyond)
+            {
                 (best, beyond) = (Some(found), found.distance);
             }
         };

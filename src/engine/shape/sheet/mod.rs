@@ -199,11 +199,11 @@ impl Sheet {
     }
 
     /// As [`Self::visit`], for the triangles of one facet only; of a small facet all of them.
-    fn visit_facet(&self, facet: u32, bounds: [[f64; 3]; 2], mut each: impl FnMut(usize)) {
+    fn visit_facet(&self, facet: u32, bounds: impl FnOnce() -> [[f64; 3]; 2], mut each: impl FnMut(usize)) {
         let Topology { members, facet: of, .. } = &self.0.topology;
         match members.get(facet as usize) {
             Some(few) if few.len() <= FEW => few.iter().for_each(|t| each(*t as usize)),
-            Some(_) => self.visit(bounds, |t| {
+            Some(_) => self.visit(bounds(), |t| {
                 if of[t] == facet {
                     each(t);
                 }
@@ -223,7 +223,7 @@ impl Sheet {
             }
         };
         match facet {
-            Some(facet) => self.visit_facet(facet, cube(at, within), compare),
+            Some(facet) => self.visit_facet(facet, || cube(at, within), compare),
             None => self.visit(cube(at, within), compare),
         }
         best.filter(|(foot, _)| foot.square < within * within)
@@ -253,19 +253,23 @@ impl Sheet {
     fn borders(&self, facet: u32, best: f64, at: [f64; 3], within: f64) -> Vec<(u32, Nearest)> {
         let Topology { beyond, around, facet: of, .. } = &self.0.topology;
         let mut found: Vec<(u32, usize, Foot)> = Vec::new();
-        self.visit_facet(facet, cube(at, within), |t| {
-            for (k, beside) in beyond[t].into_iter().enumerate() {
-                let side = of_side(&self.0.vertices, self.0.triangles[t], k, at);
-                let vertex = self.0.triangles[t][k];
-                let out = less(at, self.0.vertices[vertex as usize]);
-                let corner = Foot { square: dot(out, out), out, place: Place::Vertex(vertex) };
-                let across = Some(beside).into_iter().filter(|other| *other != NONE && side.square < within * within);
-                let about = around[vertex as usize].iter().copied().filter(|_| corner.square < within * within);
-                let others = across.map(|other| (other, side)).chain(about.map(|other| (other, corner)));
-                let others = others.map(|(other, foot)| (of[other as usize], t, foot));
-                found.extend(others.filter(|(other, ..)| *other != facet));
-            }
-        });
+        self.visit_facet(
+            facet,
+            || cube(at, within),
+            |t| {
+                for (k, beside) in beyond[t].into_iter().enumerate() {
+                    let side = of_side(&self.0.vertices, self.0.triangles[t], k, at);
+                    let vertex = self.0.triangles[t][k];
+                    let out = less(at, self.0.vertices[vertex as usize]);
+                    let corner = Foot { square: dot(out, out), out, place: Place::Vertex(vertex) };
+                    let across = Some(beside).into_iter().filter(|other| *other != NONE && side.square < within * within);
+                    let about = around[vertex as usize].iter().copied().filter(|_| corner.square < within * within);
+                    let others = across.map(|other| (other, side)).chain(about.map(|other| (other, corner)));
+                    let others = others.map(|(other, foot)| (of[other as usize], t, foot));
+                    found.extend(others.filter(|(other, ..)| *other != facet));
+                }
+            },
+        );
         found.sort_unstable_by(|a, b| {
             (a.0, a.2.square, a.1).partial_cmp(&(b.0, b.2.square, b.1)).unwrap_or(std::cmp::Ordering::Equal)
         });
