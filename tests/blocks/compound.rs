@@ -10,14 +10,14 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 /// A box between two corners, mm, as a part in TOML.
-fn part(low: [f64; 3], high: [f64; 3]) -> String {
+pub fn part(low: [f64; 3], high: [f64; 3]) -> String {
     let size: [f64; 3] = std::array::from_fn(|a| high[a] - low[a]);
     let middle: [f64; 3] = std::array::from_fn(|a| 0.5 * (high[a] + low[a]));
     format!("[[block.part]]\nshape = \"box\"\nsize_mm = {size:?}\nposition_mm = {middle:?}\n")
 }
 
 /// A compound of these parts as TOML, with its centre of mass at `at`, mm.
-fn compound(parts: &[String], at: [f64; 3], more: &str) -> String {
+pub fn compound(parts: &[String], at: [f64; 3], more: &str) -> String {
     format!("[[block]]\nshape = \"compound\"\nposition_mm = {at:?}\n{more}\n{}", parts.concat())
 }
 
@@ -257,7 +257,7 @@ fn plus_sign(at: [f64; 3], more: &str) -> String {
 }
 
 /// A U of three boxes that end on each other, and of three rounded polyhedra whose hulls have faces in common.
-fn letter_u(at: [f64; 3], more: &str, rounded: bool) -> String {
+pub fn letter_u(at: [f64; 3], more: &str, rounded: bool) -> String {
     let boxes = [
         [[-50.0, -15.0, -20.0], [50.0, 15.0, 0.0]],
         [[-50.0, -15.0, 0.0], [-30.0, 15.0, 60.0]],

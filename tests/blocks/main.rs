@@ -9,6 +9,7 @@ mod compound;
 mod compound_typed;
 mod driven;
 mod driven_typed;
+mod facets;
 mod lists;
 mod meeting;
 mod mesh;

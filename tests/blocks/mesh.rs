@@ -144,7 +144,7 @@ fn a_ball_in_an_inner_corner_has_a_contact_with_each_wall() {
 }
 
 /// A pipe of `sides` sides along y, of inner radius `radius` between its faces, mm.
-fn pipe(sides: u32, radius: f64, half: f64, slices: u32) -> Triangles {
+pub fn pipe(sides: u32, radius: f64, half: f64, slices: u32) -> Triangles {
     let outer = radius / (PI / f64::from(sides)).cos();
     let mut all: Triangles = Default::default();
     for j in 0..=slices {

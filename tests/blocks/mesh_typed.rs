@@ -212,9 +212,9 @@ fn what_is_no_sheet_is_refused() {
         ("[-40.0, 5.0, 50.0]", "[-40.0, 5.0, 10.0]", "must be further from block 0: they overlap more than 0.5 of the radii"),
         ("min_mm = [-10.0, -10.0, 20.0]", "min_mm = [-10.0, -10.0, 2.0]", "must not put the mesh through points: it cuts"),
         (
-            "shape = \"box\"\nsize_mm = [20.0, 24.0, 18.0]",
-            "shape = \"superquadric\"\nblockiness = [4.0, 4.0]\nsize_mm = [20.0, 24.0, 18.0]",
-            "contacts of superquadrics with meshes and compounds are not computed",
+            "shape = \"box\"\nsize_mm = [20.0, 24.0, 18.0]\nposition_mm = [-40.0, 5.0, 50.0]",
+            "shape = \"superquadric\"\nblockiness = [4.0, 4.0]\nsize_mm = [20.0, 24.0, 18.0]\nposition_mm = [-40.0, 5.0, 10.0]",
+            "must be further from block 0: they overlap more than 0.5 of the radii of their edges",
         ),
         ("[grid]\n", "[grid]\nplane_strain = true\n", "must be \"polygon\" in plane strain"),
     ] {

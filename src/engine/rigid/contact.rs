@@ -652,7 +652,7 @@ fn has_passed(scene: &BlockScene<'_>, bodies: &[PosedBlock<'_>], c: &BlockContac
             passes(body, body.pose.within([x, y, z]), radius)
         }
         Other::Block { block, site } => {
-            let corner = corner_on_facets(body, &bodies[block as usize], site);
+            let corner = corner_on_facets(body, &bodies[block as usize], (site, c.facet));
             let passes = |on: &Outline, at, radius: f64| on.body.passes(c.facet, to, at, 2.0 * radius);
             corner.is_some_and(|(on, at, radius)| on.outline.is_some_and(|outline| passes(outline, at, radius)))
         }

@@ -36,19 +36,10 @@ impl Block {
 }
 
 impl Block {
-    /// Whether contacts with another body are known: a superquadric touches neither meshes nor compounds.
-    pub fn touches(&self, other: &Block) -> bool {
-        Outline::of(&self.shape).touches(&Outline::of(&other.shape))
-    }
-
-    /// Deepest overlap with another body, m; negative if they are apart, infinite if it is deeper than the edges of both are round (of compounds part by part) or a sheet cuts the other. 0 for superquadrics with meshes and compounds, whose
-    /// contacts are not computed.
+    /// Deepest overlap with another body, m; negative if they are apart, infinite if it is deeper than the edges of both are round (of compounds part by part) or a sheet cuts the other.
     pub fn overlap(&self, other: &Block) -> f64 {
         let [a, b] = [self, other].map(|b| Outline::of(&b.shape));
         let (first, second) = (PosedBlock::new(self, Some(&a), 0.0), PosedBlock::new(other, Some(&b), 0.0));
-        if !a.touches(&b) {
-            return 0.0;
-        }
         let corners =
             |of: &Outline, body: &PosedBlock<'_>| of.body.corners().iter().map(|c| body.pose.place(*c)).collect::<Vec<_>>();
         let cut = match (a.body.sheet(), b.body.sheet()) {

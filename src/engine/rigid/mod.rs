@@ -6,7 +6,7 @@
 //!
 //! A wall touches *spots* of a body: its corners, or the one point of a superquadric that is nearest to the wall. Each spot is a contact of its own
 //! with R* of the sphere that has the body's volume. Two bodies touch at corners and at edges that cross (`pair.rs`), each a contact with R* of two such spheres.
-//! A superquadric has no corners: it touches another convex body where both are nearest. One that comes close to a mesh or a compound is an error.
+//! A superquadric has no corners: it touches another convex body where both are nearest, and each facet of a sheet and part of a compound where it is nearest to that (`facets.rs`).
 //!
 //! A sheet of triangles ([`crate::shape::Sheet`]) is a driven body without mass. What touches it has a contact with each facet, and on its way from facet to facet the contact
 //! that begins takes over the history of the one that ends.
@@ -19,6 +19,7 @@ mod at_nodes;
 mod breaking;
 mod contact;
 mod drive;
+mod facets;
 mod joint;
 mod laps;
 mod list;

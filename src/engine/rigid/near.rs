@@ -11,7 +11,7 @@ use super::{BlockContact, Other};
 use crate::shape::Rounded;
 use serde::{Deserialize, Serialize};
 
-/// Skin of a pair of convex bodies over that of the list: at first, and the least.
+/// Skin of a pair of convex bodies, or of a superquadric and facets, over that of the list: at first, and the least.
 const SHARE: [f64; 2] = [0.1, 0.02];
 /// Looks that a pair should keep its sites for: its skin is doubled where they come to half of that, and halved where they come to twice that.
 const LOOKS: u64 = 20;
@@ -95,8 +95,10 @@ impl Near {
         let [first, second] = self.bodies.map(|k| &bodies[k as usize]);
         let all =
             |is: fn(&Rounded) -> bool| [first, second].iter().all(|body| body.outline.is_some_and(|outline| is(&outline.body)));
+        // where looking at a site is cheap, rather many of them than another search
+        let few = all(Rounded::is_convex) || !all(|body| !body.is_smooth());
         let skin = match self.sought {
-            _ if !all(Rounded::is_convex) => now.skin,
+            _ if !few => now.skin,
             None => SHARE[0] * now.skin,
             Some(last) => {
                 let looks = now.look - last.look;

@@ -12,8 +12,11 @@
 //! A sheet of triangles ([`crate::shape::Sheet`]) is no hull: corners of the other body lie on its facets, and its own corners and edges act only where it sticks out,
 //! not on the side to which it bends. Corners lie on the parts of a compound ([`crate::shape::Compound`]) as on facets; its own are those that stick out of all its parts. Where its
 //! edges end in an inner corner of a flat side no corner takes over: what passes there leaves both edges without a jump.
+//!
+//! A superquadric has no corners: it touches a convex body where the two are nearest, and facets and parts where it is nearest to each (`facets.rs`).
 
 use super::contact::PosedBlock;
+use super::facets;
 use crate::math::vector::{cross, dot, less, plus, scaled};
 use crate::shape::{Apart, Meet, Nearest, PlacedSmooth, Rounded, Shape, Tangent, apart, tangent};
 use serde::{Deserialize, Serialize};
@@ -27,7 +30,7 @@ pub enum Site {
     CornerOfSecond(u32),
     /// An edge of each.
     Edges([u32; 2]),
-    /// The nearest points of the two, of which one is a superquadric.
+    /// The nearest points of the two, of which one is a superquadric; of a sheet or a compound, those with a facet.
     Nearest,
 }
 
@@ -46,11 +49,6 @@ impl Outline {
         let body = shape.rounded();
         let edges = body.edges();
         Outline { body, edges }
-    }
-
-    /// Whether contacts of the two are known: a superquadric touches convex bodies in space only.
-    pub fn touches(&self, other: &Outline) -> bool {
-        (!self.body.is_smooth() || other.body.is_convex()) && (!other.body.is_smooth() || self.body.is_convex())
     }
 }
 
@@ -77,7 +75,7 @@ pub(super) struct Meeting {
     pub overlap: Overlap,
     /// Of two edges that overlap: the overlaps of the ends of each with the other.
     pub ends: Option<[Overlap; 4]>,
-    /// Of a corner on a sheet or a compound: the borders beside which it counts less, with the number of the facet beyond each.
+    /// Of a corner or a superquadric on a sheet or a compound: the borders beside which it counts less, with the number of the facet beyond each.
     pub borders: Vec<(u32, Overlap)>,
 }
 
@@ -87,7 +85,7 @@ pub(super) const DEEPEST: f64 = 0.9;
 const PARALLEL: f64 = 1e-12;
 
 /// The two bodies at `site`; `None` where a gap is larger than `gap`, m (not all of those are left out), edges are nearest beyond one of their ends, where a corner touches instead, and where a sheet does not
-/// act. `facet`: that of a sheet on which a corner lies; `was`: the normal of a moment ago, if they touched there.
+/// act. `facet`: that of a sheet, or the part of a compound, on which a corner or a superquadric lies; `was`: the normal of a moment ago, if they touched there.
 pub(super) fn meeting(
     first: &PosedBlock<'_>,
     second: &PosedBlock<'_>,
@@ -96,36 +94,25 @@ pub(super) fn meeting(
     gap: f64,
 ) -> Option<Meeting> {
     let (a, b) = (first.outline?, second.outline?);
+    let corner = |k: u32, [of, other]: [&Outline; 2], [body, on]: [&PosedBlock<'_>; 2], is_first: bool| {
+        let (corner, radius) = (body.pose.place(*of.body.corners().get(k as usize)?), of.body.corner_radius(k as usize));
+        let Meet { nearest, borders } = other.body.meet(facet, on.pose.within(corner), radius + gap)?;
+        let overlap = |nearest: &Nearest| sphere_on(on, nearest, (corner, radius), is_first);
+        let overlap_there = overlap(&nearest);
+        let borders = borders.iter().map(|(other, border)| (*other, overlap(border))).collect();
+        let towards = if is_first { overlap_there.normal } else { overlap_there.normal.map(|x| -x) };
+        let acts = of.body.corner_acts(k as usize, body.pose.inwards(towards));
+        acts.then_some(Meeting { overlap: overlap_there, ends: None, borders })
+    };
     match site {
+        Site::Nearest if facets::are(first, second) => facets::meeting(first, second, facet, gap),
         Site::Nearest if a.body.is_smooth() || b.body.is_smooth() => {
             let overlap = nearest(first, second, [a, b], was, gap)?;
             Some(Meeting { overlap, ends: None, borders: Vec::new() })
         }
         Site::Nearest => None,
-        Site::CornerOfFirst(k) => {
-            let (corner, radius) = (first.pose.place(*a.body.corners().get(k as usize)?), a.body.corner_radius(k as usize));
-            let Meet { nearest, borders } = b.body.meet(facet, second.pose.within(corner), radius + gap)?;
-            let overlap = |nearest: &Nearest| {
-                let (normal, depth) = (second.pose.outwards(nearest.normal).map(|x| -x), radius - nearest.distance);
-                Overlap { normal, depth, at: plus(corner, scaled(normal, radius - 0.5 * depth)) }
-            };
-            let on = overlap(&nearest);
-            let borders = borders.iter().map(|(other, border)| (*other, overlap(border))).collect();
-            let acts = a.body.corner_acts(k as usize, first.pose.inwards(on.normal));
-            acts.then_some(Meeting { overlap: on, ends: None, borders })
-        }
-        Site::CornerOfSecond(k) => {
-            let (corner, radius) = (second.pose.place(*b.body.corners().get(k as usize)?), b.body.corner_radius(k as usize));
-            let Meet { nearest, borders } = a.body.meet(facet, first.pose.within(corner), radius + gap)?;
-            let overlap = |nearest: &Nearest| {
-                let (normal, depth) = (first.pose.outwards(nearest.normal), radius - nearest.distance);
-                Overlap { normal, depth, at: less(corner, scaled(normal, radius - 0.5 * depth)) }
-            };
-            let on = overlap(&nearest);
-            let borders = borders.iter().map(|(other, border)| (*other, overlap(border))).collect();
-            let acts = b.body.corner_acts(k as usize, second.pose.inwards(on.normal.map(|x| -x)));
-            acts.then_some(Meeting { overlap: on, ends: None, borders })
-        }
+        Site::CornerOfFirst(k) => corner(k, [a, b], [first, second], true),
+        Site::CornerOfSecond(k) => corner(k, [b, a], [second, first], false),
         Site::Edges([i, j]) => {
             let p = a.edges.get(i as usize)?.map(|x| first.pose.place(x));
             let q = b.edges.get(j as usize)?.map(|x| second.pose.place(x));
@@ -151,6 +138,13 @@ pub(super) fn meeting(
             acts.then(|| Meeting { overlap, ends: (overlap.depth > 0.0).then(ends), borders: Vec::new() })
         }
     }
+}
+
+/// The overlap of a sphere, its centre and radius in m, with the surface of a body as seen from that centre. `is_first`: whether the sphere is of the first body.
+pub(super) fn sphere_on(on: &PosedBlock<'_>, nearest: &Nearest, (centre, radius): ([f64; 3], f64), is_first: bool) -> Overlap {
+    let (out, depth) = (on.pose.outwards(nearest.normal), radius - nearest.distance);
+    let normal = if is_first { out.map(|x| -x) } else { out };
+    Overlap { normal, depth, at: less(centre, scaled(out, radius - 0.5 * depth)) }
 }
 
 /// A bound below on the gap at a site of two bodies of which none is a sheet, a compound or a superquadric, m; `None` of others.
@@ -276,16 +270,17 @@ fn from_edge(at: [f64; 3], edge: [[f64; 3]; 2]) -> f64 {
     dot(away, away).sqrt()
 }
 
-/// The middle of the corner that lies on a surface of facets at `site`, in the frame of its body, and its radius, m, with that body; `None` at other sites.
+/// The middle of the corner that lies on a surface of facets at `site`, in the frame of its body, and its radius, m, with that body; of a superquadric the place that is nearest to facet `facet`. `None` at other sites.
 pub(super) fn corner_on_facets<'a>(
-    first: &'a PosedBlock<'_>,
-    second: &'a PosedBlock<'_>,
-    site: Site,
+    first: &'a PosedBlock<'a>,
+    second: &'a PosedBlock<'a>,
+    (site, facet): (Site, u32),
 ) -> Option<(&'a PosedBlock<'a>, [f64; 3], f64)> {
     let (k, of, on) = match site {
         Site::CornerOfFirst(k) => (k, first, second),
         Site::CornerOfSecond(k) => (k, second, first),
-        Site::Edges(_) | Site::Nearest => return None,
+        Site::Nearest => return facets::place_on(first, second, facet),
+        Site::Edges(_) => return None,
     };
     let body = &of.outline?.body;
     let corner = *body.corners().get(k as usize)?;
@@ -361,6 +356,9 @@ pub(super) fn sites(first: &PosedBlock<'_>, second: &PosedBlock<'_>, skin: f64) 
         let away = less(x, body.pose.centre);
         dot(away, away) < far * far
     };
+    if facets::are(first, second) {
+        return facets::near(first, second, skin).into_iter().map(|facet| (Site::Nearest, facet)).collect();
+    }
     if a.body.is_smooth() || b.body.is_smooth() {
         let far = a.body.reach() + b.body.reach() + skin;
         let found = near(second.pose.centre, first, far).then(|| nearest(first, second, [a, b], None, skin)).flatten();

@@ -21,14 +21,14 @@ impl Blocks {
     /// else may have come closer since the last call, m; `ahead`: time, s, by which positions of bodies will be extrapolated.
     ///
     /// # Errors
-    /// A superquadric near a mesh or a compound; bodies that are deep in each other.
+    /// Bodies that are deep in each other.
     pub fn update(&mut self, grains: &Grains, walls: &[Wall], continuum: &Continuum, way: f64, ahead: f64) -> Result<()> {
         let alive = [grains.len(), continuum.points().len()];
         self.outline();
         self.passable(continuum)?;
         self.looks += 1;
         if let Some(skin) = self.age.due(way, alive, continuum.settings().cell) {
-            self.search(grains, walls, continuum, skin)?;
+            self.search(grains, walls, continuum, skin);
         } else {
             self.locate(grains, continuum);
         }
@@ -105,18 +105,9 @@ impl Blocks {
     }
 
     /// Makes the list anew: pairs of bodies, and points, grains and walls with a gap to a body, that may be below `skin`, m. Contacts keep their history.
-    ///
-    /// # Errors
-    /// A superquadric near a mesh or a compound.
-    fn search(&mut self, grains: &Grains, walls: &[Wall], continuum: &Continuum, skin: f64) -> Result<()> {
+    fn search(&mut self, grains: &Grains, walls: &[Wall], continuum: &Continuum, skin: f64) {
         let mut near = self.near(skin);
         near.sort_unstable();
-        if let Some([i, j]) = near.iter().find(|pair| !self.outlines[pair[0]].touches(&self.outlines[pair[1]])) {
-            let what = format!(
-                "blocks {i} and {j} come within reach of each other; contacts of superquadrics with meshes and compounds are not computed"
-            );
-            return Err(Error::Failed { step: continuum.steps(), what });
-        }
         self.contacts.list_pairs(&near);
         let mut others = self.others(grains, walls, continuum, skin);
         others.sort_unstable_by_key(BlockContact::key);
@@ -129,7 +120,6 @@ impl Blocks {
             |old: &BlockContact, new: &mut BlockContact| *new = BlockContact { place: new.place, radius: new.radius, ..*old };
         remember(known, &mut others, BlockContact::key, keep);
         self.contacts.replace_others(others);
-        Ok(())
     }
 
     /// Points, grains and walls with a gap to a body below `skin`, m.

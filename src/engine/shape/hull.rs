@@ -1,6 +1,7 @@
 //! Convex hulls of corners, enlarged by a sphere: the geometry of rounded polyhedra, and of boxes where they touch other bodies.
 
 use super::Nearest;
+use super::core::furthest;
 use crate::math::vector::{cross, dot, less, plus, scaled};
 use parry3d_f64::math::{Pose, Vector};
 use parry3d_f64::query::{PointQueryWithLocation, distance, intersection_test};
@@ -62,14 +63,7 @@ impl Hull {
 
     /// The corner that is furthest along a direction; of several the first.
     pub fn furthest(&self, towards: [f64; 3]) -> [f64; 3] {
-        let mut best = (f64::NEG_INFINITY, [0.0; 3]);
-        for corner in &self.corners {
-            let along = dot(*corner, towards);
-            if along > best.0 {
-                best = (along, *corner);
-            }
-        }
-        best.1
+        furthest(&self.corners, towards)
     }
 
     /// At each corner a unit vector that lies between the normals of its faces: along their sum.

@@ -6,6 +6,7 @@
 
 mod apart;
 mod compound;
+mod core;
 mod cuboid;
 mod cut;
 mod hull;
@@ -21,6 +22,7 @@ mod steiner;
 mod superquadric;
 mod tangent;
 
+pub use self::core::{Core, CoreMeet, Seen};
 pub use apart::{Apart, apart};
 pub use compound::{Compound, Convex, Frame, MOST_PARTS, Part, Piece, PlacedCompound, Union};
 pub use cuboid::Cuboid;
@@ -245,6 +247,38 @@ impl Rounded {
             Rounded::Smooth(_) => false,
         };
         if near { vec![0] } else { Vec::new() }
+    }
+
+    /// Where a superquadric with this core meets facet `facet` of a sheet or part `facet` of a union; `None` where another one is nearer at that place, and where it is further than `within`, m.
+    pub fn meet_core(&self, facet: u32, core: &Core<'_>, within: f64) -> Option<CoreMeet> {
+        match self {
+            Rounded::Sheet(sheet, _) => sheet.meet_core(facet, core, within),
+            Rounded::Union(union) => union.meet_core(facet, core, within),
+            Rounded::Hull(_) | Rounded::Ring(_) | Rounded::Smooth(_) => None,
+        }
+    }
+
+    /// The place of the core of a superquadric that is nearest to facet `facet` of a sheet or part `facet` of a union, if that is nearer than `within`, m.
+    pub fn near_core(&self, facet: u32, core: &Core<'_>, within: f64) -> Option<Seen> {
+        match self {
+            Rounded::Sheet(sheet, _) => sheet.near_core(facet, core, within),
+            Rounded::Union(union) => union.near_core(facet, core, within),
+            Rounded::Hull(_) | Rounded::Ring(_) | Rounded::Smooth(_) => None,
+        }
+    }
+
+    /// Numbers of the facets of a sheet, or of the parts of a union, that may be nearer to a core than `within`, m.
+    pub fn facets_about(&self, core: &Core<'_>, within: f64) -> Vec<u32> {
+        match self {
+            Rounded::Sheet(sheet, _) => sheet.facets_about(core, within),
+            Rounded::Union(union) => (0..union.parts.len() as u32).collect(),
+            Rounded::Hull(_) | Rounded::Ring(_) | Rounded::Smooth(_) => Vec::new(),
+        }
+    }
+
+    /// The superquadric, if it is one.
+    pub fn smooth(&self) -> Option<&Smooth> {
+        if let Rounded::Smooth(smooth) = self { Some(smooth) } else { None }
     }
 
     /// Whether it is a superquadric.

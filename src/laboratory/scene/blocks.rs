@@ -311,13 +311,6 @@ fn crowds(block: &Block, j: usize, other: &Block) -> Option<String> {
     if apart > reach || (block.driven && other.driven) {
         return None;
     }
-    if !block.touches(other) {
-        return Some(format!(
-            "must be further from block {j}: contacts of superquadrics with meshes and compounds are not computed, and they may touch when their centres are within {} mm; the centres are {} mm apart",
-            mm(reach),
-            mm(apart)
-        ));
-    }
     let [a, b] = [block, other].map(|b| b.shape.rounded());
     let radii = a.rounding() + b.rounding();
     if radii == 0.0 {

@@ -1,6 +1,7 @@
 //! A convex part of a compound: a hull of corners with a sphere swept over it, or in the plane a ring of corners with a disc.
 
 use crate::math::vector::{dot, less, plus, scaled};
+use crate::shape::core::{Core, Seen};
 use crate::shape::hull::{Hull, HullFace};
 use crate::shape::ring::Ring;
 use crate::shape::sheet::foot::of_triangle;
@@ -82,6 +83,28 @@ impl Part {
             Convex::Hull(hull) => nearest_of(hull, at),
             Convex::Ring(ring) => ring.nearest(at),
         }
+    }
+
+    /// The place of a core that is nearest to the part, if that is nearer than `within`, m; `None` of a part in the plane.
+    pub(super) fn near_core(&self, core: &Core<'_>, within: f64) -> Option<Seen> {
+        let Convex::Hull(hull) = &self.surface else { return None };
+        if self.clearance(core.centre) - core.reach >= within {
+            return None;
+        }
+        let from = self.nearest(core.centre);
+        let about = less(core.centre, scaled(from.normal, from.distance + hull.rounding));
+        let found = core.nearest_to(|towards| hull.furthest(towards), (about, None), within + hull.rounding)?;
+        if found.distance == 0.0 {
+            return Some(Seen { at: about, nearest: Nearest { distance: -hull.rounding, normal: from.normal } });
+        }
+        let [rough, exact] = {
+            let seen = |at: [f64; 3]| Seen { at, nearest: self.nearest(at) };
+            let rough = seen(found.on_first);
+            // exact where it is a face that is nearest
+            [rough, seen(core.furthest(rough.nearest.normal.map(|x| -x)))]
+        };
+        let best = if exact.nearest.distance <= rough.nearest.distance { exact } else { rough };
+        (best.nearest.distance < within).then_some(best)
     }
 
     /// A lower bound on the distance of a position from the surface, m.

@@ -11,13 +11,16 @@
 
 use super::outline;
 use super::part::Part;
-use crate::math::vector::{dot, less, scaled};
+use crate::math::vector::{cross, dot, less, plus, scaled};
+use crate::shape::core::{Core, CoreMeet, Seen};
 use crate::shape::sheet::BORDERS;
 use crate::shape::{Meet, Nearest};
 use serde::{Deserialize, Serialize};
 
 /// Over the reach of a compound: what is nearer than that is at one place.
 pub(super) const HAIR: f64 = 1e-9;
+/// Share of that hair within which a core counts as equally near to two parts.
+const SAME: f64 = 1e-3;
 /// Most times that the nearest place of what two parts have in common is looked for.
 const ROUNDS: u32 = 12;
 
@@ -145,8 +148,10 @@ impl Union {
                     return None;
                 }
             } else if own.distance < within && (theirs.distance, k) < (own.distance, facet) {
-                let crease = crease([part, other], [own, theirs], at, self.hair);
-                borders.extend(crease.filter(|edge| edge.distance < within).map(|edge| (k, edge)));
+                let planes = [plane(&own, at), plane(&theirs, at)];
+                let crease = crease([part, other], planes, self.hair, |planes| behind(planes, at));
+                let seen = crease.and_then(|place| seen(place, at));
+                borders.extend(seen.filter(|edge| edge.distance < within).map(|edge| (k, edge)));
             }
         }
         if borders.len() > BORDERS {
@@ -154,6 +159,41 @@ impl Union {
             borders.truncate(BORDERS);
         }
         Some(Meet { nearest: own, borders })
+    }
+
+    /// The place of the core of a superquadric that is nearest to part `facet`, if that is nearer than `within`, m.
+    pub fn near_core(&self, facet: u32, core: &Core<'_>, within: f64) -> Option<Seen> {
+        self.parts.get(facet as usize)?.near_core(core, within)
+    }
+
+    /// Where the core of a superquadric meets part `facet`, if it is nearer than `within`, m; `None` also where that part's nearest point lies in another part that is nearer, or equally near with a lower number.
+    pub fn meet_core(&self, facet: u32, core: &Core<'_>, within: f64) -> Option<CoreMeet> {
+        let part = self.parts.get(facet as usize)?;
+        let on = part.near_core(core, within)?;
+        let (own, same) = (on.nearest, SAME * self.hair);
+        let foot = foot(on.at, &own);
+        let mut borders = Vec::new();
+        for (k, other) in (0_u32..).zip(&self.parts).filter(|(k, _)| *k != facet) {
+            let Some(theirs) = other.near_core(core, own.distance + same) else { continue };
+            if theirs.nearest.distance >= own.distance - same && k > facet {
+                continue;
+            }
+            if other.holds(foot, 0.0, self.hair) {
+                return None;
+            }
+            let planes = [plane(&own, on.at), plane(&theirs.nearest, theirs.at)];
+            let crease = crease([part, other], planes, self.hair, |planes| core_behind(planes, core));
+            let seen = crease.and_then(|place| core.nearest_to_hull(&[place], (place, None), within));
+            borders.extend(seen.filter(|edge| edge.distance > 0.0).map(|edge| {
+                let nearest = Nearest { distance: edge.distance, normal: edge.normal.map(|x| -x) };
+                (k, Seen { at: edge.on_first, nearest })
+            }));
+        }
+        if borders.len() > BORDERS {
+            borders.sort_by(|a, b| a.1.nearest.distance.total_cmp(&b.1.nearest.distance));
+            borders.truncate(BORDERS);
+        }
+        Some(CoreMeet { on, borders })
     }
 
     /// Whether what touched part `from`, nearer than `within`, m, has passed on to part `to`: there the nearest point of `from` lies.
@@ -169,18 +209,34 @@ fn foot(at: [f64; 3], nearest: &Nearest) -> [f64; 3] {
     less(at, scaled(nearest.normal, nearest.distance))
 }
 
-/// The nearest place of what two parts have in common, as seen from a position; `None` where it is not found. `seen`: both parts from there. Each part is replaced by the half-space
-/// behind its surface at its nearest point, whose common edge is the place looked for where both are flat there; else half-spaces are taken anew from the place found.
-fn crease([a, b]: [&Part; 2], seen: [Nearest; 2], at: [f64; 3], hair: f64) -> Option<Nearest> {
-    let plane = |nearest: &Nearest, from: [f64; 3]| (nearest.normal, dot(nearest.normal, foot(from, nearest)));
-    let mut planes = seen.map(|nearest| plane(&nearest, at));
+/// The half-space behind a surface at its nearest point, as seen from a position: its normal and the distance of its plane from the origin.
+type Plane = ([f64; 3], f64);
+
+fn plane(nearest: &Nearest, from: [f64; 3]) -> Plane {
+    (nearest.normal, dot(nearest.normal, foot(from, nearest)))
+}
+
+/// A place as seen from another one.
+fn seen(place: [f64; 3], at: [f64; 3]) -> Option<Nearest> {
+    let away = less(at, place);
+    let distance = dot(away, away).sqrt();
+    (distance > 0.0).then(|| Nearest { distance, normal: scaled(away, 1.0 / distance) })
+}
+
+/// The nearest place of what two parts have in common; `None` where it is not found. Each part is replaced by the half-space
+/// behind its surface at its nearest point, `planes`, and `behind` says which place behind two of them is nearest. It is the place looked for where both are flat there; else half-spaces are taken anew from the
+/// place found.
+fn crease(
+    [a, b]: [&Part; 2],
+    mut planes: [Plane; 2],
+    hair: f64,
+    behind: impl Fn([Plane; 2]) -> Option<[f64; 3]>,
+) -> Option<[f64; 3]> {
     for _ in 0..ROUNDS {
-        let place = behind(planes, at)?;
+        let place = behind(planes)?;
         let found = [a, b].map(|part| part.nearest(place));
         if found.iter().all(|nearest| nearest.distance <= hair) {
-            let away = less(at, place);
-            let distance = dot(away, away).sqrt();
-            return (distance > 0.0).then(|| Nearest { distance, normal: scaled(away, 1.0 / distance) });
+            return Some(place);
         }
         for (of, nearest) in planes.iter_mut().zip(found) {
             if nearest.distance > hair {
@@ -192,7 +248,7 @@ fn crease([a, b]: [&Part; 2], seen: [Nearest; 2], at: [f64; 3], hair: f64) -> Op
 }
 
 /// The place nearest to `at` behind two planes, each given by its normal and its distance from the origin; `None` where they are parallel.
-fn behind([(m, p), (n, q)]: [([f64; 3], f64); 2], at: [f64; 3]) -> Option<[f64; 3]> {
+fn behind([(m, p), (n, q)]: [Plane; 2], at: [f64; 3]) -> Option<[f64; 3]> {
     let (before, beyond, cosine) = (dot(m, at) - p, dot(n, at) - q, dot(m, n));
     if before <= 0.0 && beyond <= 0.0 {
         return Some(at);
@@ -208,4 +264,31 @@ fn behind([(m, p), (n, q)]: [([f64; 3], f64); 2], at: [f64; 3]) -> Option<[f64; 
         let [x, y] = [(before - cosine * beyond) / below, (beyond - cosine * before) / below];
         less(less(at, scaled(m, x)), scaled(n, y))
     })
+}
+
+/// The place behind two planes that is nearest to a core; `None` where the core reaches behind one of them, or they are parallel.
+fn core_behind([(m, p), (n, q)]: [Plane; 2], core: &Core<'_>) -> Option<[f64; 3]> {
+    for ((m, p), (n, q)) in [((m, p), (n, q)), ((n, q), (m, p))] {
+        let lowest = core.furthest(m.map(|x| -x));
+        let height = dot(m, lowest) - p;
+        let place = less(lowest, scaled(m, height));
+        if height > 0.0 && dot(n, place) - q <= 0.0 {
+            return Some(place);
+        }
+    }
+    // their common line
+    let line = cross(m, n);
+    let square = dot(line, line);
+    if square <= 1e-14 {
+        return None;
+    }
+    let onto = |at: [f64; 3]| {
+        let ([x, y], cosine) = ([dot(m, at) - p, dot(n, at) - q], dot(m, n));
+        let [x, y] = [(x - cosine * y) / square, (y - cosine * x) / square];
+        less(less(at, scaled(m, x)), scaled(n, y))
+    };
+    let about = onto(core.centre);
+    let half = scaled(line, 2.0 * core.reach / square.sqrt());
+    let found = core.nearest_to_hull(&[less(about, half), plus(about, half)], (about, None), f64::INFINITY)?;
+    (found.distance > 0.0).then(|| onto(plus(found.on_first, scaled(found.normal, found.distance))))
 }

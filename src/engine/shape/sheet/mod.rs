@@ -10,6 +10,7 @@
 //!
 //! A sheet has no inside, no volume and no mass.
 
+mod core;
 pub(super) mod foot;
 mod topology;
 
@@ -168,7 +169,7 @@ impl Sheet {
     pub fn sharp_near(&self, at: [f64; 3], half: f64) -> [Vec<u32>; 2] {
         let Topology { edge_of, corner_of, .. } = &self.0.topology;
         let (mut corners, mut edges) = (Vec::new(), Vec::new());
-        self.visit(at, half, |t| {
+        self.visit(cube(at, half), |t| {
             edges.extend(edge_of[t].iter().filter(|e| **e != NONE));
             corners.extend(self.0.triangles[t].iter().map(|k| corner_of[*k as usize]).filter(|c| *c != NONE));
         });
@@ -182,15 +183,14 @@ impl Sheet {
     /// The corners of each triangle that reaches into the box of this half size, m, about a position, in the order of the triangles.
     pub fn triangles_near(&self, at: [f64; 3], half: f64) -> Vec<[[f64; 3]; 3]> {
         let mut found = Vec::new();
-        self.visit(at, half, |t| found.push(t));
+        self.visit(cube(at, half), |t| found.push(t));
         found.sort_unstable();
         found.into_iter().map(|t| self.0.triangles[t].map(|k| self.0.vertices[k as usize])).collect()
     }
 
-    /// Calls `each` with every triangle whose box cuts the box of this half size about a position, in no order.
-    fn visit(&self, at: [f64; 3], half: f64, mut each: impl FnMut(usize)) {
-        let end = |by: f64| Vector::from(at.map(|x| x + by));
-        let around = Aabb::new(end(-half), end(half));
+    /// Calls `each` with every triangle whose box cuts the box between two corners, in no order.
+    fn visit(&self, [low, high]: [[f64; 3]; 2], mut each: impl FnMut(usize)) {
+        let around = Aabb::new(Vector::from(low), Vector::from(high));
         self.0.tree.intersect_aabb(&around).for_each(|t| each(t as usize));
     }
 
@@ -199,11 +199,11 @@ impl Sheet {
     }
 
     /// As [`Self::visit`], for the triangles of one facet only; of a small facet all of them.
-    fn visit_facet(&self, facet: u32, at: [f64; 3], half: f64, mut each: impl FnMut(usize)) {
+    fn visit_facet(&self, facet: u32, bounds: impl FnOnce() -> [[f64; 3]; 2], mut each: impl FnMut(usize)) {
         let Topology { members, facet: of, .. } = &self.0.topology;
         match members.get(facet as usize) {
             Some(few) if few.len() <= FEW => few.iter().for_each(|t| each(*t as usize)),
-            Some(_) => self.visit(at, half, |t| {
+            Some(_) => self.visit(bounds(), |t| {
                 if of[t] == facet {
                     each(t);
                 }
@@ -223,8 +223,8 @@ impl Sheet {
             }
         };
         match facet {
-            Some(facet) => self.visit_facet(facet, at, within, compare),
-            None => self.visit(at, within, compare),
+            Some(facet) => self.visit_facet(facet, || cube(at, within), compare),
+            None => self.visit(cube(at, within), compare),
         }
         best.filter(|(foot, _)| foot.square < within * within)
     }
@@ -253,19 +253,23 @@ impl Sheet {
     fn borders(&self, facet: u32, best: f64, at: [f64; 3], within: f64) -> Vec<(u32, Nearest)> {
         let Topology { beyond, around, facet: of, .. } = &self.0.topology;
         let mut found: Vec<(u32, usize, Foot)> = Vec::new();
-        self.visit_facet(facet, at, within, |t| {
-            for (k, beside) in beyond[t].into_iter().enumerate() {
-                let side = of_side(&self.0.vertices, self.0.triangles[t], k, at);
-                let vertex = self.0.triangles[t][k];
-                let out = less(at, self.0.vertices[vertex as usize]);
-                let corner = Foot { square: dot(out, out), out, place: Place::Vertex(vertex) };
-                let across = Some(beside).into_iter().filter(|other| *other != NONE && side.square < within * within);
-                let about = around[vertex as usize].iter().copied().filter(|_| corner.square < within * within);
-                let others = across.map(|other| (other, side)).chain(about.map(|other| (other, corner)));
-                let others = others.map(|(other, foot)| (of[other as usize], t, foot));
-                found.extend(others.filter(|(other, ..)| *other != facet));
-            }
-        });
+        self.visit_facet(
+            facet,
+            || cube(at, within),
+            |t| {
+                for (k, beside) in beyond[t].into_iter().enumerate() {
+                    let side = of_side(&self.0.vertices, self.0.triangles[t], k, at);
+                    let vertex = self.0.triangles[t][k];
+                    let out = less(at, self.0.vertices[vertex as usize]);
+                    let corner = Foot { square: dot(out, out), out, place: Place::Vertex(vertex) };
+                    let across = Some(beside).into_iter().filter(|other| *other != NONE && side.square < within * within);
+                    let about = around[vertex as usize].iter().copied().filter(|_| corner.square < within * within);
+                    let others = across.map(|other| (other, side)).chain(about.map(|other| (other, corner)));
+                    let others = others.map(|(other, foot)| (of[other as usize], t, foot));
+                    found.extend(others.filter(|(other, ..)| *other != facet));
+                }
+            },
+        );
         found.sort_unstable_by(|a, b| {
             (a.0, a.2.square, a.1).partial_cmp(&(b.0, b.2.square, b.1)).unwrap_or(std::cmp::Ordering::Equal)
         });
@@ -282,6 +286,11 @@ impl Sheet {
         }
         borders
     }
+}
+
+/// The corners of the box of this half size, m, about a position.
+fn cube(at: [f64; 3], half: f64) -> [[f64; 3]; 2] {
+    [at.map(|x| x - half), at.map(|x| x + half)]
 }
 
 impl Solid for Sheet {
@@ -335,7 +344,7 @@ impl Solid for Sheet {
     fn facets_near(&self, at: [f64; 3], within: f64, found: &mut Vec<u32>) {
         let (far, mut near) = (within + self.0.rounding, Vec::new());
         if self.clearance(at) < within {
-            self.visit(at, far, |t| {
+            self.visit(cube(at, far), |t| {
                 if self.foot(t, at).square < far * far {
                     near.push(self.0.topology.facet[t]);
                 }
