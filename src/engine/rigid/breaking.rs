@@ -351,7 +351,7 @@ impl Blocks {
             let mut of = Fate::of(crush, &piece, lineage_child(fate.lineage, i as u32), generation, step);
             // it lies inside of the body, though the hole of either is sought in steps of a degree
             of.sieve = of.sieve.min(fate.sieve);
-            let outline = outlined.then(|| Outline::of(&piece.shape));
+            let outline = outlined.then(|| Outline::of(&piece));
             if i == 0 {
                 breaking.bodies[k] = of;
                 outline.into_iter().for_each(|outline| self.outlines[k] = outline);

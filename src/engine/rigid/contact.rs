@@ -1,7 +1,6 @@
 //! Forces of all contacts of rigid bodies, and their addition to bodies, grains, points and walls.
 
 use super::list::Contacts;
-use super::motion::Yield;
 use super::near::Near;
 use super::pair::{DEEPEST, Meeting, Outline, Overlap, Site, corner_on_facets, meeting};
 use super::ways::gap_at;
@@ -343,6 +342,7 @@ impl Blocks {
     /// bodies counts once at each, as if the other stood still; of two alike the square of the frequency is up to twice as large. Free steps of bodies are far
     /// below what that asks: a tower of ten cubes stands with six times its step.
     pub fn rates(&mut self, grains: &Grains, points: usize) -> ContactRates {
+        self.outline();
         let mut of_blocks = vec![0.0; self.blocks.len()];
         self.add_joint_rates(&mut of_blocks);
         let by_joints = of_blocks.iter().copied().fold(0.0, f64::max);
@@ -354,13 +354,12 @@ impl Blocks {
             most.points = self.first_touch;
         }
         let touching = self.contacts.touching();
-        let yields: Vec<Yield> = self.blocks.iter().map(Block::most_yield).collect();
         for c in touching.clone() {
             let ([k_n, k_t], i) = (c.stiffness.map(|k| c.share * k), c.place as usize);
             let k = k_n.max(k_t);
             let mut add = |body: u32, arm: [f64; 3]| {
                 let sum = &mut of_blocks[body as usize];
-                *sum += k * yields[body as usize].at(arm);
+                *sum += k * self.outlines[body as usize].yields.most_at(arm);
                 most.grains = most.grains.max(*sum);
             };
             add(c.block, c.arm);
@@ -403,8 +402,6 @@ pub(super) struct PosedBlock<'a> {
     pub block: &'a Block,
     pub pose: Pose,
     pub spin: [f64; 3],
-    /// [`Block::yields`].
-    pub yields: (f64, [f64; 3]),
     /// What other bodies touch of it.
     pub outline: Option<&'a Outline>,
 }
@@ -454,7 +451,7 @@ fn ends_at(borders: &[(u32, Overlap)]) -> (Option<[Overlap; 4]>, Vec<u32>) {
 impl<'a> PosedBlock<'a> {
     /// The body `ahead` seconds from now.
     pub fn new(block: &'a Block, outline: Option<&'a Outline>, ahead: f64) -> PosedBlock<'a> {
-        PosedBlock { block, pose: block.pose(ahead), spin: block.spin(), yields: block.yields(), outline }
+        PosedBlock { block, pose: block.pose(ahead), spin: block.spin(), outline }
     }
 
     /// Contact of facet `facet` with a sphere, if they overlap.
@@ -471,8 +468,9 @@ impl<'a> PosedBlock<'a> {
 
     /// Inverse of the effective mass of the body, 1/kg, for an impulse along `normal` at the end of `arm`.
     pub fn inverse_mass(&self, arm: [f64; 3], normal: [f64; 3]) -> f64 {
-        let ((mass, moments), turn) = (self.yields, self.pose.inwards(cross(arm, normal)));
-        (0..3).fold(mass, |sum, a| sum + turn[a] * turn[a] * moments[a])
+        let yields = self.outline.map_or_else(|| self.block.yields(), |outline| outline.yields);
+        let turn = self.pose.inwards(cross(arm, normal));
+        (0..3).fold(yields.inverse_mass, |sum, a| sum + turn[a] * turn[a] * yields.inverse_moments[a])
     }
 }
 

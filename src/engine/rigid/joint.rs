@@ -209,8 +209,8 @@ impl Joint {
         let directions = [axis, across, cross(axis, across)].map(|d| ends[0].pose.inwards(d));
         let stiffness = cement.stiffness(kind, flat);
         let yields = |of: &dyn Fn(&Block) -> f64| [Some(a), b].into_iter().flatten().map(of).sum::<f64>();
-        let mass = yields(&|b| b.yields().0);
-        let turn = yields(&|b| b.yields().1.into_iter().fold(0.0, f64::max));
+        let mass = yields(&|b| b.yields().inverse_mass);
+        let turn = yields(&|b| b.yields().inverse_moments.into_iter().fold(0.0, f64::max));
         let critical = |k: f64, inverse: f64| if inverse > 0.0 { 2.0 * cement.damping * (k / inverse).sqrt() } else { 0.0 };
         let [n, s, m, t] = stiffness;
         let bond = Bond {
@@ -304,8 +304,8 @@ impl Joint {
         let mut sums = [0.0; 2];
         for (block, anchor) in ends.into_iter().zip(bond.anchors) {
             let Some(block) = block else { continue };
-            sums[0] += block.most_yield().at(anchor);
-            sums[1] += block.yields().1.into_iter().fold(0.0, f64::max);
+            sums[0] += block.yields().most_at(anchor);
+            sums[1] += block.yields().inverse_moments.into_iter().fold(0.0, f64::max);
         }
         let of = |values: &[f64; 4]| [0, 2].iter().zip(sums).map(|(&k, sum)| values[k].max(values[k + 1]) * sum).sum::<f64>();
         let (elastic, viscous) = (of(&bond.stiffness), of(&bond.damping));

@@ -2,6 +2,7 @@
 
 use super::Blocks;
 use super::contact::{PosedBlock, posed};
+use super::motion::Yields;
 use super::pair::{meeting, sites};
 use crate::math::vector::{cross, dot, less, plus, scaled};
 
@@ -92,7 +93,7 @@ impl Blocks {
                     let Some((k, arm, _)) = side else { continue };
                     let push = scaled(lap.normal, sign * depth / sum);
                     let PosedBlock { block, pose, .. } = &bodies[k];
-                    let (mass, moments) = block.yields();
+                    let Yields { inverse_mass: mass, inverse_moments: moments, .. } = block.yields();
                     let torque = pose.inwards(cross(arm, push));
                     let turn = pose.outwards(std::array::from_fn(|a| torque[a] * moments[a]));
                     moved[k] = [plus(moved[k][0], scaled(push, mass)), plus(moved[k][1], turn)];

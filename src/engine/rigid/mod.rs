@@ -242,7 +242,7 @@ impl Blocks {
     /// Makes what other bodies touch of each body, if that is not known yet.
     fn outline(&mut self) {
         if self.outlines.len() != self.blocks.len() {
-            self.outlines = self.blocks.iter().map(|b| Outline::of(&b.shape)).collect();
+            self.outlines = self.blocks.iter().map(Outline::of).collect();
         }
     }
 

@@ -87,17 +87,20 @@ fn unit(q: [f64; 4]) -> [f64; 4] {
     q.map(|x| x / length)
 }
 
-/// Upper bound on how a body yields to forces; one that is driven does not.
+/// How a body yields to forces.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Yield {
-    inverse_mass: f64,
+pub(super) struct Yields {
+    /// Inverse mass, 1/kg.
+    pub inverse_mass: f64,
+    /// Inverse moments of inertia, 1/(kg m²).
+    pub inverse_moments: [f64; 3],
     /// Least moment of inertia, kg m².
     least: f64,
 }
 
-impl Yield {
-    /// How fast the end of `arm` gives way to a force at most, 1/kg: 1/m + r²/I with the least moment.
-    pub fn at(&self, arm: [f64; 3]) -> f64 {
+impl Yields {
+    /// Upper bound on how fast the end of `arm` gives way to a force, 1/kg: 1/m + r²/I with the least moment.
+    pub fn most_at(&self, arm: [f64; 3]) -> f64 {
         self.inverse_mass + dot(arm, arm) / self.least
     }
 }
@@ -131,15 +134,13 @@ impl Block {
         0.5 * (self.mass * dot(self.velocity, self.velocity) + dot(self.spin(), self.momentum))
     }
 
-    /// Inverse mass, 1/kg, and inverse moments of inertia, 1/(kg m²), with which it yields to forces: none if it is driven.
-    pub fn yields(&self) -> (f64, [f64; 3]) {
-        if self.driven { (0.0, [0.0; 3]) } else { (1.0 / self.mass, self.moments.map(|moment| 1.0 / moment)) }
-    }
-
-    /// Upper bound on how it yields to forces ([`Yield`]).
-    pub(super) fn most_yield(&self) -> Yield {
+    /// How it yields to forces: not at all if it is driven.
+    pub(super) fn yields(&self) -> Yields {
+        if self.driven {
+            return Yields { inverse_mass: 0.0, inverse_moments: [0.0; 3], least: f64::INFINITY };
+        }
         let least = self.moments.into_iter().fold(f64::INFINITY, f64::min);
-        if self.driven { Yield { inverse_mass: 0.0, least: f64::INFINITY } } else { Yield { inverse_mass: 1.0 / self.mass, least } }
+        Yields { inverse_mass: 1.0 / self.mass, inverse_moments: self.moments.map(|moment| 1.0 / moment), least }
     }
 
     /// One step: changes velocity and angular momentum (but of a driven body) by a force, N, and a torque, N m, over `kick` seconds, then moves the body for `dt` seconds.

@@ -116,20 +116,20 @@ impl Hull {
         })
     }
 
-    /// Whether a position is certainly further from the rounded surface than `within`, m: it is so from the plane of a face. Rounding does not matter.
-    pub fn is_beyond(&self, at: [f64; 3], within: f64) -> bool {
-        let far = (within + self.rounding) * (1.0 + 1e-9);
-        self.faces.iter().any(|face| dot(face.normal, at) - face.offset > far)
-    }
-
     /// Largest distance of a position from the plane of a face, less the rounding, m: it is at least so far from the rounded surface.
     pub fn before(&self, at: [f64; 3]) -> f64 {
         self.faces.iter().map(|face| dot(face.normal, at) - face.offset).fold(f64::NEG_INFINITY, f64::max) - self.rounding
     }
 
-    /// The nearest point of the surface. Nothing is nearer than the plane of the face in front of which the position lies furthest: where the foot on that plane is inside of the face, only
-    /// others of the same plane are looked at, as the normals of narrow triangles are not exact.
+    /// The nearest point of the rounded surface.
     pub fn nearest(&self, at: [f64; 3]) -> Nearest {
+        let nowhere = Nearest { distance: f64::NEG_INFINITY, normal: [0.0; 3] };
+        self.nearest_within(at, f64::INFINITY).unwrap_or(nowhere)
+    }
+
+    /// The nearest point of the rounded surface; `None` where it is certainly further than `within`, m, as the plane of a face is. Nothing is nearer than the plane of the face in front of which the
+    /// position lies furthest: where the foot on that plane is inside of the face, only others of the same plane are looked at, as the normals of narrow triangles are not exact.
+    pub fn nearest_within(&self, at: [f64; 3], within: f64) -> Option<Nearest> {
         let before = |face: &HullFace| dot(face.normal, at) - face.offset;
         let (mut most, mut facing) = (f64::NEG_INFINITY, None);
         for (k, face) in self.faces.iter().enumerate() {
@@ -138,11 +138,16 @@ impl Hull {
                 (most, facing) = (before, Some((k, face)));
             }
         }
-        let Some((facing, face)) = facing else { return Nearest { distance: most, normal: [0.0; 3] } };
+        // of no place at all: as deep as can be, so that a contact with it ends the run
+        let Some((facing, face)) = facing else { return Some(Nearest { distance: most, normal: [0.0; 3] }) };
+        // a hair for rounding
+        if most > (within + self.rounding) * (1.0 + 1e-9) {
+            return None;
+        }
         // two triangles of one flat face may not agree which side a position in their plane is on
         let hair = ON_FACE * self.reach;
         if most <= hair {
-            return Nearest { distance: most - self.rounding, normal: face.normal };
+            return Some(Nearest { distance: most - self.rounding, normal: face.normal });
         }
         let (first, inside) = self.foot(face, most, at);
         let above = if inside { (1.0 - FLUSH) * most } else { hair };
@@ -159,7 +164,7 @@ impl Hull {
             }
         }
         let distance = least.sqrt();
-        Nearest { distance: distance - self.rounding, normal: scaled(out, 1.0 / distance) }
+        Some(Nearest { distance: distance - self.rounding, normal: scaled(out, 1.0 / distance) })
     }
 
     /// From the nearest point of a face to a position that lies `before` it, m, and whether that point is inside of the face. Parry's projection on a triangle uses + − × ÷ only.

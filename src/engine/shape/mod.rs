@@ -210,8 +210,7 @@ impl Rounded {
     /// Where a sphere at a position meets facet `facet` ([`Solid::meet`]); of a convex surface the nearest point, `None` only where that is further than `within`, m.
     pub fn meet(&self, facet: u32, at: [f64; 3], within: f64) -> Option<Meet> {
         let nearest = match self {
-            Rounded::Hull(hull) if hull.is_beyond(at, within) => return None,
-            Rounded::Hull(hull) => hull.nearest(at),
+            Rounded::Hull(hull) => hull.nearest_within(at, within)?,
             Rounded::Ring(ring) => ring.nearest(at),
             Rounded::Sheet(sheet, _) => return sheet.meet(facet, at, within),
             Rounded::Union(union) => return union.meet(facet, at, within),
@@ -232,7 +231,7 @@ impl Rounded {
     /// Numbers of the facets that are nearer to a position than `within`, m.
     pub fn facets_near(&self, at: [f64; 3], within: f64) -> Vec<u32> {
         let near = match self {
-            Rounded::Hull(hull) => !hull.is_beyond(at, within) && hull.nearest(at).distance < within,
+            Rounded::Hull(hull) => hull.nearest_within(at, within).is_some_and(|nearest| nearest.distance < within),
             Rounded::Ring(ring) => ring.nearest(at).distance < within,
             Rounded::Sheet(sheet, _) => {
                 let mut found = Vec::new();
