@@ -120,7 +120,7 @@ mod tests {
     /// Looks at two bodies, the second of which is at the first place of the pair with `swapped`.
     fn look<T>(body: &Block, egg: &Block, swapped: bool, look: impl FnOnce(&PosedBlock<'_>, &PosedBlock<'_>) -> T) -> T {
         let [a, b] = if swapped { [egg, body] } else { [body, egg] };
-        let outlines = [a, b].map(|x| Outline::of(x));
+        let outlines = [a, b].map(Outline::of);
         look(&PosedBlock::new(a, Some(&outlines[0]), 0.0), &PosedBlock::new(b, Some(&outlines[1]), 0.0))
     }
 

@@ -38,7 +38,7 @@ impl Block {
 impl Block {
     /// Deepest overlap with another body, m; negative if they are apart, infinite if it is deeper than the edges of both are round (of compounds part by part) or a sheet cuts the other.
     pub fn overlap(&self, other: &Block) -> f64 {
-        let [a, b] = [self, other].map(|b| Outline::of(b));
+        let [a, b] = [self, other].map(Outline::of);
         let (first, second) = (PosedBlock::new(self, Some(&a), 0.0), PosedBlock::new(other, Some(&b), 0.0));
         let corners =
             |of: &Outline, body: &PosedBlock<'_>| of.body.corners().iter().map(|c| body.pose.place(*c)).collect::<Vec<_>>();

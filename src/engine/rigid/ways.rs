@@ -116,7 +116,7 @@ mod tests {
             (way, spin, angle, share) in (direction(), direction(), -0.5..0.5_f64, 0.05..1.0_f64),
         ) {
             let both = bodies([(first, turn), (second, other)], scaled(to, length));
-            let outlines = both.each_ref().map(|b| Outline::of(b));
+            let outlines = both.each_ref().map(Outline::of);
             let posed = |both: &[Block; 2]| [0, 1].map(|k| PosedBlock::new(&both[k], Some(&outlines[k]), 0.0).pose);
             let body = |both, k: usize, pose| PosedBlock { pose, ..PosedBlock::new(both, Some(&outlines[k]), 0.0) };
             let poses = posed(&both);
