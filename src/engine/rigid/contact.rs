@@ -1,6 +1,7 @@
 //! Forces of all contacts of rigid bodies, and their addition to bodies, grains, points and walls.
 
 use super::list::Contacts;
+use super::motion::Yields;
 use super::near::Near;
 use super::pair::{DEEPEST, Meeting, Outline, Overlap, Site, corner_on_facets, meeting};
 use super::ways::gap_at;
@@ -354,12 +355,14 @@ impl Blocks {
             most.points = self.first_touch;
         }
         let touching = self.contacts.touching();
+        // side by side in memory
+        let yields: Vec<Yields> = self.outlines.iter().map(|outline| outline.yields).collect();
         for c in touching.clone() {
             let ([k_n, k_t], i) = (c.stiffness.map(|k| c.share * k), c.place as usize);
             let k = k_n.max(k_t);
             let mut add = |body: u32, arm: [f64; 3]| {
                 let sum = &mut of_blocks[body as usize];
-                *sum += k * self.outlines[body as usize].yields.most_at(arm);
+                *sum += k * yields[body as usize].most_at(arm);
                 most.grains = most.grains.max(*sum);
             };
             add(c.block, c.arm);
@@ -402,6 +405,8 @@ pub(super) struct PosedBlock<'a> {
     pub block: &'a Block,
     pub pose: Pose,
     pub spin: [f64; 3],
+    /// How it yields to forces.
+    pub yields: Yields,
     /// What other bodies touch of it.
     pub outline: Option<&'a Outline>,
 }
@@ -451,7 +456,8 @@ fn ends_at(borders: &[(u32, Overlap)]) -> (Option<[Overlap; 4]>, Vec<u32>) {
 impl<'a> PosedBlock<'a> {
     /// The body `ahead` seconds from now.
     pub fn new(block: &'a Block, outline: Option<&'a Outline>, ahead: f64) -> PosedBlock<'a> {
-        PosedBlock { block, pose: block.pose(ahead), spin: block.spin(), outline }
+        let yields = outline.map_or_else(|| block.yields(), |outline| outline.yields);
+        PosedBlock { block, pose: block.pose(ahead), spin: block.spin(), yields, outline }
     }
 
     /// Contact of facet `facet` with a sphere, if they overlap.
@@ -468,8 +474,7 @@ impl<'a> PosedBlock<'a> {
 
     /// Inverse of the effective mass of the body, 1/kg, for an impulse along `normal` at the end of `arm`.
     pub fn inverse_mass(&self, arm: [f64; 3], normal: [f64; 3]) -> f64 {
-        let yields = self.outline.map_or_else(|| self.block.yields(), |outline| outline.yields);
-        let turn = self.pose.inwards(cross(arm, normal));
+        let (yields, turn) = (&self.yields, self.pose.inwards(cross(arm, normal)));
         (0..3).fold(yields.inverse_mass, |sum, a| sum + turn[a] * turn[a] * yields.inverse_moments[a])
     }
 }
