@@ -13,7 +13,7 @@ use super::outline;
 use super::part::Part;
 use crate::math::vector::{cross, dot, less, plus, scaled};
 use crate::shape::core::{Core, CoreMeet, Seen};
-use crate::shape::sheet::BORDERS;
+use crate::shape::sheet::shared_over;
 use crate::shape::{Meet, Nearest};
 use serde::{Deserialize, Serialize};
 
@@ -154,10 +154,7 @@ impl Union {
                 borders.extend(seen.filter(|edge| edge.distance < within).map(|edge| (k, edge)));
             }
         }
-        if borders.len() > BORDERS {
-            borders.sort_by(|a, b| a.1.distance.total_cmp(&b.1.distance));
-            borders.truncate(BORDERS);
-        }
+        let borders = shared_over(borders, |border: &Nearest| border.distance);
         Some(Meet { nearest: own, borders })
     }
 
@@ -189,10 +186,7 @@ impl Union {
                 (k, Seen { at: edge.on_first, nearest })
             }));
         }
-        if borders.len() > BORDERS {
-            borders.sort_by(|a, b| a.1.nearest.distance.total_cmp(&b.1.nearest.distance));
-            borders.truncate(BORDERS);
-        }
+        let borders = shared_over(borders, |border: &Seen| border.nearest.distance);
         Some(CoreMeet { on, borders })
     }
 

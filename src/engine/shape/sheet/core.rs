@@ -5,7 +5,7 @@
 
 use super::foot::{Foot, Place};
 use super::topology::NONE;
-use super::{BORDERS, Sheet};
+use super::{Sheet, shared_over};
 use crate::math::vector::{dot, less, scaled};
 use crate::shape::core::{Core, CoreMeet, Seen};
 
@@ -48,10 +48,7 @@ impl Sheet {
             }
             borders.extend(self.border(facet, other, core, far).map(|border| (other, border)));
         }
-        if borders.len() > BORDERS {
-            borders.sort_by(|a, b| a.1.nearest.distance.total_cmp(&b.1.nearest.distance));
-            borders.truncate(BORDERS);
-        }
+        let borders = shared_over(borders, |border: &Seen| border.nearest.distance);
         let on = Seen { at: on.at, nearest: self.seen(&on.foot, on.triangle) };
         Some(CoreMeet { on, borders })
     }

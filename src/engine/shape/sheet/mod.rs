@@ -33,7 +33,16 @@ const BENT: f64 = 0.7;
 /// Most triangles of a facet that are all looked at, rather than those in a box that the tree finds.
 const FEW: usize = 16;
 /// Most borders that a contact is shared over.
-pub(super) const BORDERS: usize = 4;
+const BORDERS: usize = 4;
+
+/// The borders of a contact that it is shared over: the nearest ones, of which `distance` returns how far each is, m.
+pub(super) fn shared_over<T>(mut borders: Vec<(u32, T)>, distance: impl Fn(&T) -> f64) -> Vec<(u32, T)> {
+    if borders.len() > BORDERS {
+        borders.sort_by(|a, b| distance(&a.1).total_cmp(&distance(&b.1)));
+        borders.truncate(BORDERS);
+    }
+    borders
+}
 
 /// What a sheet is made from, and all that is kept of it in a file.
 #[derive(Clone, Serialize, Deserialize)]
@@ -278,13 +287,9 @@ impl Sheet {
             let theirs = self.nearest_on(Some(other), at, within);
             theirs.is_some_and(|(foot, _)| (foot.square, other) < (best, facet))
         };
-        let mut borders: Vec<(u32, Nearest)> =
+        let borders: Vec<(u32, Nearest)> =
             found.into_iter().filter(|(other, ..)| nearer(*other)).map(|(other, t, foot)| (other, self.seen(&foot, t))).collect();
-        if borders.len() > BORDERS {
-            borders.sort_by(|a, b| a.1.distance.total_cmp(&b.1.distance));
-            borders.truncate(BORDERS);
-        }
-        borders
+        shared_over(borders, |border| border.distance)
     }
 }
 
