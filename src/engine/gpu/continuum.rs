@@ -32,7 +32,7 @@ const MOST: u64 = 1000;
 /// How long the device shall work on one submission, s: a driver of a display ends one that takes two seconds.
 const LONG: f64 = 0.2;
 /// Number of the layout of a saved state: another one cannot be read.
-const LAYOUT: u32 = 4;
+const LAYOUT: u32 = 5;
 /// Fault of a point that a loading plate has passed.
 const PASSED: u32 = 5;
 /// Largest number of submissions that wait on the device.
@@ -184,7 +184,7 @@ impl DeviceContinuum {
             own.copy_from_slice(&saved.plates);
             before.1 = f64::from_bits(saved.work);
         }
-        let by_id = state::by_id(&state, cpu.points().len());
+        let by_id = state::by_id(&state, cpu.points().len(), !plates.is_empty());
         let cells = || state[..cpu.points().len()].iter().map(|[.., cell]| *cell);
         let blocks = Blocks::of(&settings, cells());
         let sizes = BufferSizes::of(&settings, &blocks, cpu.points().len() as u64, !plates.is_empty());
@@ -509,7 +509,9 @@ impl DeviceContinuum {
             self.bodies.as_ref().map(|b| GrainExtent { grains: b.coupling.grains, rows: b.coupling.rows, rates: b.coupling.rates });
         let size = size.map(|n| n as u32);
         let blocks = [self.status.slots, slots];
-        Extent { points, blocks, size, walls: walls.map(|wall| wall[0]), plates: self.plates.len() as u32, grains }
+        let (walls, plates) = (walls.map(|wall| wall[0]), self.plates.len() as u32);
+        let several_laws = self.buffers.laws.size() > size_of::<Law32>() as u64;
+        Extent { points, several_laws, blocks, size, walls, plates, grains }
     }
 
     /// From now on times the passes, which makes steps slower.

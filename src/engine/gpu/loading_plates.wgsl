@@ -93,7 +93,7 @@ fn touch_of_plane(plate: LoadingPlate, i: u32, arm: vec3<f32>, arm_low: vec3<f32
     let normal = i32(plate.normal);
     let cells = normal * (cell_place(place.w)[axis] - 1 - plate.cell);
     let units = normal * (bitcast<vec3<i32>>(place.xyz)[axis] - plate.units);
-    let deep = f32(bitcast<i32>(word(ENERGY, i).w) - cells * WIDTH - units) - plate.normal * (number(REST, i)[axis] - plate.rest);
+    let deep = f32(radius_in_units(i) - cells * WIDTH - units) - plate.normal * (number(REST, i)[axis] - plate.rest);
     // two cells away or more the plate is out of reach, or the point is far behind it
     let of_point = select(select(deep * (params.cell / UNITS), 2.0 * params.cell, cells < -1), 0.0, cells > 1);
     // once pressed, the ghost moves with the face of the point, not with the point
@@ -126,7 +126,7 @@ fn overlap_with_shell(x: vec2<f32>, y: vec2<f32>, inner: vec2<f32>, by: vec2<f32
 
 fn touch_of_shell(plate: LoadingPlate, i: u32, arm: vec3<f32>, arm_low: vec3<f32>) -> Touch {
     let place = word(PLACE, i);
-    let radius = bitcast<i32>(word(ENERGY, i).w);
+    let radius = radius_in_units(i);
     let cells = cell_place(place.w).xy - 1 - plate.centre_cell;
     let most = i32(16384u >> plate.split);
     if any(abs(cells) >= vec2<i32>(most)) {
@@ -202,9 +202,9 @@ fn plate_forces(one: Thread, @builtin(workgroup_id) group: vec3<u32>, @builtin(l
             } else {
                 m = touch_of_plane(plate, i, arm.xyz, arm_low.xyz);
             }
-            let radius = f32(bitcast<i32>(word(ENERGY, i).w)) * (params.cell / UNITS);
+            let radius = f32(radius_in_units(i)) * (params.cell / UNITS);
             if m.overlap > radius {
-                atomicMin(&status.fault, 8u * word(ENERGY, i).z + PASSED);
+                atomicMin(&status.fault, 8u * identity(i) + PASSED);
             } else if m.overlap > 0.0 {
                 let tangent = 2.0 * plate.modulus * sqrt(radius * m.overlap);
                 let f = 0.66666667 * tangent * m.overlap;

@@ -4,7 +4,7 @@ use super::blocks::Blocks;
 use super::bounds::{BLOCK, PLATES, TILE};
 use super::device::refused;
 use super::layout::{BatchState, cell_groups, groups};
-use super::state::planes;
+use super::state::entries;
 use crate::error::Result;
 use crate::mpm::Settings;
 
@@ -29,7 +29,7 @@ impl BufferSizes {
         let (slots, table) = (u64::from(blocks.slots), u64::from(blocks.count()));
         let cells = BLOCK as u64 * slots;
         BufferSizes {
-            state: 16 * planes(plates) as u64 * points,
+            state: 16 * entries(points as usize, plates) as u64,
             // three planes of the nodes, and the tiles
             nodes: 16 * (3 * cells + TILE as u64 * slots),
             starts: 4 * (cells + 1 + points),

@@ -5,15 +5,15 @@ const PLACE: u32 = 0u; // offset x, y, z in units (bits of i32); cell
 const REST: u32 = 1u; // offset x, y, z: fractions of a unit; initial volume, m³
 const VELOCITY: u32 = 2u; // velocity, m/s; mass, kg
 const VELOCITY_LOW: u32 = 3u; // its low part; index of the law
-const NORMAL: u32 = 4u; // stress xx, yy, zz, Pa; volume over initial volume, less 1
+const NORMAL: u32 = 4u; // stress xx, yy, zz, Pa; volume, m³
 const SHEAR: u32 = 5u; // stress xy, yz, zx, Pa; accumulated plastic strain
 const NORMAL_LOW: u32 = 6u; // low parts of NORMAL
 const SHEAR_LOW: u32 = 7u; // low parts of SHEAR
-const ENERGY: u32 = 8u; // stress work, J, and its low part; identity; ghost radius, units (bits of i32)
-const GAP: u32 = 9u; // opening of the gap in soil that was pulled apart, and its low part; unused; unused
+const WORK: u32 = 8u; // stress work, J, and its low part; opening of the gap in soil that was pulled apart, and its low part
 // with loading plates only
-const ARM: u32 = 10u; // distance from the point to its pressed face along each axis, cells, with sign; 0 where no plate presses
-const ARM_LOW: u32 = 11u; // its low part
+const ARM: u32 = 9u; // distance from the point to its pressed face along each axis, cells, with sign; 0 where no plate presses
+const ARM_LOW: u32 = 10u; // its low part
+// then what takes one word for each point, a quarter of a plane each: identity; ghost radius, units (bits of i32)
 
 // Planes of the nodes, `cells` entries each, by their slots. Near walls SPEED and CHANGE hold momentum and mass, and impulse, until the walls have been applied.
 const MOMENTUM: u32 = 0u; // momentum, kg m/s; mass, kg
@@ -70,6 +70,21 @@ fn number(plane: u32, i: u32) -> vec4<f32> {
 
 fn put(plane: u32, i: u32, value: vec4<f32>) {
     state[plane * params.points + i] = bitcast<vec4<u32>>(value);
+}
+
+// The word of a point in the `k`-th quarter of a plane.
+fn single(k: u32, i: u32) -> u32 {
+    let planes = select(ARM, ARM_LOW + 1u, PRESSED);
+    let quarter = (params.points + 3u) / 4u;
+    return state[planes * params.points + k * quarter + i / 4u][i % 4u];
+}
+
+fn identity(i: u32) -> u32 {
+    return single(0u, i);
+}
+
+fn radius_in_units(i: u32) -> i32 {
+    return bitcast<i32>(single(1u, i));
 }
 
 // Index of the law of a point.
@@ -244,6 +259,7 @@ fn accelerate_node(k: u32) {
         nodes[SPEED * params.cells + k] = momentum;
         nodes[CHANGE * params.cells + k] = vec4<f32>(force * batch.dt, stiffness_rate);
     } else {
-        damped_velocity(k, nodes[SPEED * params.cells + k].xyz, vec4<f32>(force * (batch.dt / m), stiffness_rate));
+        // as `project` has it
+        damped_velocity(k, momentum.xyz / m, vec4<f32>(force * (batch.dt / m), stiffness_rate));
     }
 }

@@ -96,15 +96,15 @@ fn sort(cell: u32) {
     let end = starts[cell + 1u];
     atomicStore(&counts[cell], end - first);
     if end - first > CROWD {
-        atomicMin(&status.fault, 8u * word(ENERGY, nth(first)).z + CROWDED);
+        atomicMin(&status.fault, 8u * identity(nth(first)) + CROWDED);
         return;
     }
     let order = params.cells + 1u;
     for (var k = first + 1u; k < end; k++) {
         let i = nth(k);
-        let own = word(ENERGY, i).z;
+        let own = identity(i);
         var at = k;
-        while at > first && word(ENERGY, nth(at - 1u)).z > own {
+        while at > first && identity(nth(at - 1u)) > own {
             starts[order + at] = nth(at - 1u);
             at -= 1u;
         }

@@ -22,6 +22,8 @@ pub fn held(walls: &[u32; BORDERS]) -> bool {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Extent {
     pub points: u32,
+    /// Whether points have different laws.
+    pub several_laws: bool,
     /// Blocks of the grid: slots in use, and all.
     pub blocks: [u32; 2],
     /// Cells of the domain along each axis.
@@ -141,7 +143,8 @@ impl Extent {
 pub fn passes(walls: &[u32; BORDERS], plates: bool, grains: bool) -> Vec<&'static str> {
     // a run may find by itself that its grains need several steps
     let grains = grains.then_some(GrainExtent { grains: 1, rows: 1, rates: 2 });
-    let extent = Extent { points: 1, blocks: [1; 2], size: [1; 3], walls: *walls, plates: plates.into(), grains };
+    let extent =
+        Extent { points: 1, several_laws: false, blocks: [1; 2], size: [1; 3], walls: *walls, plates: plates.into(), grains };
     let mut all = Vec::new();
     for dispatch in [extent.prepare(), extent.begin(), extent.step()].concat() {
         if !all.contains(&dispatch.pass) {
@@ -161,7 +164,9 @@ mod tests {
     fn a_step_has_few_dispatches() {
         let count = |wall, plates, rates: Option<u32>| {
             let grains = rates.map(|rates| GrainExtent { grains: 10, rows: 200, rates });
-            Extent { points: 1000, blocks: [20, 30], size: [6; 3], walls: [wall; 6], plates, grains }.step().len()
+            Extent { points: 1000, several_laws: false, blocks: [20, 30], size: [6; 3], walls: [wall; 6], plates, grains }
+                .step()
+                .len()
         };
         assert_eq!([count(1, 0, None), count(RUBS, 0, None), count(0, 6, None), count(2, 1, None)], [9, 11, 10, 10]);
         assert_eq!([1, 2, 5].map(|rates| count(0, 0, Some(rates))), [13, 19, 37]);

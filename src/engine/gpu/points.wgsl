@@ -2,7 +2,7 @@
 // gpu/tests/step.rs compares it.
 
 fn report_fault(fault: u32, i: u32) {
-    atomicMin(&status.fault, 8u * word(ENERGY, i).z + fault);
+    atomicMin(&status.fault, 8u * identity(i) + fault);
 }
 
 // Velocities of three nodes along x.
@@ -197,10 +197,11 @@ fn strain(one: Thread) {
     let before = Sym(normal.xyz + (normal_low.xyz + turn.normal), shear.xyz + (shear_low.xyz + turn.shear));
     let trace = increment.normal.x + increment.normal.y + increment.normal.z;
     let none = vec3<f32>(0.0);
+    let kept = number(WORK, i);
     var gap = vec2<f32>(0.0);
     var now = Opened(true, gap, 1.0);
     if YIELDS {
-        gap = number(GAP, i).xy;
+        gap = kept.zw;
         now = opened(law, before, trace, gap);
     }
     let begin = Sym(select(none, before.normal, now.bonded), select(none, before.shear, now.bonded));
@@ -209,7 +210,7 @@ fn strain(one: Thread) {
         step = stress_step(law, begin, Sym(increment.normal * now.share, increment.shear * now.share), shear.w + shear_low.w);
     }
     // a gap is no part of the volume of the soil
-    let growth = (1.0 + normal.w) * ((trace - (now.gap.x - gap.x)) - step.gap);
+    let growth = normal.w * ((trace - (now.gap.x - gap.x)) - step.gap);
     let bonded = vec4<bool>(vec3<bool>(now.bonded), true);
     let turned = select(none, turn.normal, now.bonded);
     let a = add(select(vec4<f32>(0.0), normal, bonded), select(vec4<f32>(0.0), normal_low, bonded), vec4<f32>(turned + step.stress.normal, growth));
@@ -219,7 +220,7 @@ fn strain(one: Thread) {
         report_fault(NOT_FINITE, i);
         return;
     }
-    if !(1.0 + a.high.w > 0.0) {
+    if !(a.high.w > 0.0) {
         report_fault(INVERTED, i);
         return;
     }
@@ -229,17 +230,14 @@ fn strain(one: Thread) {
     put(SHEAR_LOW, i, b.low);
     if YIELDS {
         if step.gap != 0.0 || gap.x > 0.0 {
-            put(GAP, i, vec4<f32>(grown(now.gap, step.gap), 0.0, 0.0));
+            gap = grown(now.gap, step.gap);
         }
     }
     // stress work, from the mean of the stresses and volumes before and after
-    let volume = bitcast<f32>(word(REST, i).w);
-    let mean = 0.5 * volume * ((1.0 + normal.w) + (1.0 + a.high.w));
+    let mean = 0.5 * (normal.w + a.high.w);
     let after = Sym(a.high.xyz, b.high.xyz);
     let done = 0.5 * mean * (product(before, increment) + product(after, increment));
-    let energy = word(ENERGY, i);
-    let sum = grown(bitcast<vec2<f32>>(energy.xy), done);
-    state[ENERGY * params.points + i] = vec4<u32>(bitcast<vec2<u32>>(sum), energy.zw);
+    put(WORK, i, vec4<f32>(grown(kept.xy, done), gap));
 }
 
 // Ends a step: sums up what loading plates bear, counts the step if no point has a fault, and stops the batch otherwise; then what grains or the next step begin with. A
@@ -288,6 +286,5 @@ fn survey(one: Thread) {
         }
     }
     let v = number(VELOCITY, i);
-    let volume = number(REST, i).w * (1.0 + number(NORMAL, i).w);
-    atomicMax(&status.fastest, bitcast<u32>(sqrt(modulus * volume / v.w) + length(v.xyz)));
+    atomicMax(&status.fastest, bitcast<u32>(sqrt(modulus * number(NORMAL, i).w / v.w) + length(v.xyz)));
 }

@@ -6,13 +6,20 @@ use crate::mpm::{Face, Points, Settings};
 use rayon::prelude::*;
 
 /// Number of planes; what they hold, in which order, is said in `nodes.wgsl`.
-const PLANES: usize = 10;
+const PLANES: usize = 9;
 /// Number of further planes for the faces of points, with loading plates only.
 const FACES: usize = 2;
+/// Number of quarters of a plane after these, for what takes one word: identity and ghost radius.
+const SINGLES: usize = 2;
 
-/// Number of planes with or without loading plates.
-pub fn planes(plates: bool) -> usize {
-    PLANES + if plates { FACES } else { 0 }
+/// Number of entries, four words each, for `points` points with or without loading plates.
+pub fn entries(points: usize, plates: bool) -> usize {
+    first_single(points, plates) + SINGLES * points.div_ceil(4)
+}
+
+/// Number of entries of the planes.
+fn first_single(points: usize, plates: bool) -> usize {
+    points * (PLANES + if plates { FACES } else { 0 })
 }
 
 /// Radius of the ghost of point `i`, m: the sphere with its solid volume (Li et al. 2023, eq. 22), which does not change.
@@ -40,14 +47,15 @@ pub fn cell_of(settings: &Settings, position: &[f64; 4]) -> (u32, [(i32, i32, f3
 /// The planes of the points, one after the other. Points must lie within the domain.
 pub fn to_device(settings: &Settings, points: &Points, plates: bool) -> Vec<[u32; 4]> {
     let n = points.len();
-    let mut planes = vec![[0_u32; 4]; planes(plates) * n];
+    let mut planes = vec![[0_u32; 4]; entries(n, plates)];
+    let singles = first_single(n, plates);
     let bits = f32::to_bits;
     for i in 0..n {
         let p = &points.position[i];
         let (cell, [x, y, z]) = cell_of(settings, p);
         let v = points.velocity[i].map(split);
         let s = points.stress[i].map(split);
-        let growth = split(p[3] / points.initial_volume[i] - 1.0);
+        let volume = split(p[3]);
         let [plastic, gap] = [points.memory[i].plastic, points.memory[i].gap].map(split);
         let radius = (ghost_radius(points, i) / settings.cell * f64::from(UNITS)) as i32;
         let part = |s: &[[f32; 2]], last: [f32; 2], k: usize| [bits(s[0][k]), bits(s[1][k]), bits(s[2][k]), bits(last[k])];
@@ -56,15 +64,17 @@ pub fn to_device(settings: &Settings, points: &Points, plates: bool) -> Vec<[u32
             [bits(x.2), bits(y.2), bits(z.2), bits(points.initial_volume[i] as f32)],
             part(&v, v[3], 0),
             [bits(v[0][1]), bits(v[1][1]), bits(v[2][1]), u32::from(points.law[i])],
-            part(&s[..3], growth, 0),
+            part(&s[..3], volume, 0),
             part(&s[3..], plastic, 0),
-            part(&s[..3], growth, 1),
+            part(&s[..3], volume, 1),
             part(&s[3..], plastic, 1),
-            [0, 0, points.id[i], radius as u32],
-            [bits(gap[0]), bits(gap[1]), 0, 0],
+            [0, 0, bits(gap[0]), bits(gap[1])],
         ];
         for (plane, word) in words.into_iter().enumerate() {
             planes[plane * n + i] = word;
+        }
+        for (k, word) in [points.id[i], radius as u32].into_iter().enumerate() {
+            planes[singles + k * n.div_ceil(4) + i / 4][i % 4] = word;
         }
         if let (true, Some([beside, face])) = (plates, points.faces.get(i)) {
             for a in (0..3).filter(|&a| beside[a] != 0.0) {
@@ -77,9 +87,9 @@ pub fn to_device(settings: &Settings, points: &Points, plates: bool) -> Vec<[u32
 }
 
 /// Identities of the points and their indices on the device, in the order of identities.
-pub fn by_id(planes: &[[u32; 4]], points: usize) -> Vec<(u32, u32)> {
-    let of_ids = &planes[8 * points..9 * points];
-    let mut all: Vec<(u32, u32)> = of_ids.iter().map(|word| word[2]).zip(0..).collect();
+pub fn by_id(planes: &[[u32; 4]], points: usize, plates: bool) -> Vec<(u32, u32)> {
+    let ids = planes[first_single(points, plates)..].as_flattened();
+    let mut all: Vec<(u32, u32)> = ids[..points].iter().copied().zip(0..).collect();
     all.sort_unstable();
     all
 }
@@ -88,22 +98,22 @@ pub fn by_id(planes: &[[u32; 4]], points: usize) -> Vec<(u32, u32)> {
 /// the state was copied to the device, J. Masses, laws and initial values are not written.
 pub fn to_points(settings: &Settings, planes: &[[u32; 4]], from: &[u32], points: &mut Points) -> Vec<f64> {
     let n = from.len();
-    let has_faces = planes.len() > PLANES * n;
+    let has_faces = planes.len() == entries(n, true);
     points.faces.resize(if has_faces { n } else { points.faces.len() }, Face::default());
-    let Points { position, velocity, stress, memory, faces, initial_volume, .. } = points;
-    let works = (position.par_iter_mut(), velocity, stress, memory, initial_volume, from)
+    let Points { position, velocity, stress, memory, faces, .. } = points;
+    let works = (position.par_iter_mut(), velocity, stress, memory, from)
         .into_par_iter()
-        .map(|(position, velocity, stress, memory, initial_volume, i)| {
+        .map(|(position, velocity, stress, memory, i)| {
             let words = WordsOfPoint::of(planes, n, *i);
             let [x, y, z] = words.position(settings);
-            *position = [x, y, z, *initial_volume * (1.0 + words.both(4, 6, 3))];
+            *position = [x, y, z, words.both(4, 6, 3)];
             for a in 0..3 {
                 velocity[a] = words.both(2, 3, a);
                 stress[a] = words.both(4, 6, a);
                 stress[3 + a] = words.both(5, 7, a);
             }
-            *memory = InternalVariables { plastic: words.both(5, 7, 3), gap: words.sum(9) };
-            words.sum(8)
+            *memory = InternalVariables { plastic: words.both(5, 7, 3), gap: words.sum(8, 2) };
+            words.sum(8, 0)
         })
         .collect();
     if has_faces {
@@ -140,9 +150,9 @@ impl WordsOfPoint<'_> {
         self.number(high, k) + self.number(low, k)
     }
 
-    /// A number that is split into the first two words of a plane.
-    fn sum(self, plane: usize) -> f64 {
-        self.number(plane, 0) + self.number(plane, 1)
+    /// A number that is split into two words of a plane, from `k` on.
+    fn sum(self, plane: usize, k: usize) -> f64 {
+        self.number(plane, k) + self.number(plane, k + 1)
     }
 
     fn position(self, settings: &Settings) -> [f64; 3] {

@@ -41,6 +41,7 @@ pub fn needs(
     let of_grains = grains.map(|sizes| GrainExtent { grains: grains_there, rows: sizes.room as u32, rates: 1 });
     let extent = Extent {
         points: points_there,
+        several_laws: points.law.iter().any(|law| *law != 0),
         blocks: [blocks.used, blocks.slots],
         size: settings.cells,
         walls: wall_kinds(settings),

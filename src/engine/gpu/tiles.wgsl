@@ -159,7 +159,7 @@ fn press_nodes(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups)
             let slope_z = spline_slope(o.z)[these.layer];
             let a = number(NORMAL, i);
             let b = number(SHEAR, i);
-            let volume = number(REST, i).w * (1.0 + a.w) * -params.inverse_cell;
+            let volume = a.w * -params.inverse_cell;
             let on_x = vec4<f32>(volume * vec3<f32>(a.x, b.x, b.z), 0.0) * z;
             let on_y = vec4<f32>(volume * vec3<f32>(b.x, a.y, b.y), 0.0) * z;
             let on_z = vec4<f32>(volume * vec3<f32>(b.z, b.y, a.z), 0.0) * slope_z;

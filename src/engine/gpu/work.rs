@@ -79,28 +79,32 @@ fn of_pass(pass: &str, e: &Extent, near: u64) -> StepWork {
     let grains = e.grains.map_or(0, |g| u64::from(g.grains));
     let on_walls: u64 = (0..BORDERS).filter(|k| e.walls[*k] != 0).map(|k| plane(e.size, k / 2)).sum();
     let [bytes, flops] = match pass {
-        // place, velocity, order; identity, order twice; starts, counts; tiles
-        "deposit" => [points * (3 * PLANE + 3 * WORD) + cells * 3 * WORD + tiles, points * DEPOSIT + cells * SUM_TILE],
-        // place, rest, stress, order, forces of plates, row; starts; tiles
+        // place, velocity; identity, order twice; starts, counts; tiles
+        "deposit" => [points * (2 * PLANE + 3 * WORD) + cells * 3 * WORD + tiles, points * DEPOSIT + cells * SUM_TILE],
+        // place, stress twice, forces of plates, row; order; starts; tiles
         "press_nodes" => {
-            [points * ((4 + pressed + coupled) * PLANE + WORD) + cells * WORD + tiles, points * PRESS + cells * SUM_TILE]
+            [points * ((3 + pressed + coupled) * PLANE + WORD) + cells * WORD + tiles, points * PRESS + cells * SUM_TILE]
         }
-        // tiles; momentum, speed, change
-        "project" => [tiles + cells * 3 * PLANE, cells * FROM_TILES],
-        // tiles; momentum, speed twice, change; grains
-        "accelerate" => [tiles + cells * 4 * PLANE + grains * 2 * GRAIN as u64 * PLANE, cells * FROM_TILES + grains * MOVE],
+        // tiles; momentum, speed
+        "project" => [tiles + cells * 2 * PLANE, cells * FROM_TILES],
+        // tiles; momentum, speed, change; grains
+        "accelerate" => [tiles + cells * 3 * PLANE + grains * 2 * GRAIN as u64 * PLANE, cells * FROM_TILES + grains * MOVE],
         // speed and change of three layers, twice; whether the wall touches
         "walls_project" | "walls_accelerate" => [on_walls * (12 * PLANE + 2 * WORD), on_walls * WALL],
-        // place, rest, velocity and its low part, twice; transport; speed and change
-        "advance" => [points * (8 + 2 * pressed + 2 * coupled) * PLANE + cells * 2 * PLANE, points * ADVANCE],
+        // place, rest, velocity and its low part, twice; faces, transport twice; of points at a plate the rest of their faces; speed and change
+        "advance" => [(points * (8 + pressed + 2 * coupled) + at_plates * 3 + cells * 2) * PLANE, points * ADVANCE],
         // counts twice; starts
         "find_starts" => [cells * 3 * WORD, 0],
         // place, order; counts twice
         "scatter" => [points * (PLANE + WORD) + cells * 2 * WORD, 0],
-        // place, rest, law, four of stress, gap, work; five of them again; two of faces, twice; speed
-        "strain" => [points * (14 + 4 * pressed) * PLANE + cells * PLANE, points * STRAIN],
+        // place, four of stress, work; five of them again; law, faces, row; of points at a plate the rest of their faces; speed
+        "strain" => {
+            [(points * (11 + u64::from(e.several_laws) + pressed + coupled) + at_plates * 3 + cells) * PLANE, points * STRAIN]
+        }
         // place; force; sums of workgroups; of points near a plate rest, faces, radius
-        "plate_forces" => [points * 2 * PLANE + of_groups + at_plates * 4 * PLANE, (points * plates + at_plates) * TOUCH],
+        "plate_forces" => {
+            [(points * 2 + at_plates * 3) * PLANE + at_plates * WORD + of_groups, (points * plates + at_plates) * TOUCH]
+        }
         // sums of workgroups; impulses of walls, twice
         "finish" => [of_groups + if held(&e.walls) { on_walls * 6 * WORD } else { 0 }, 0],
         "move_grains" => [grains * 2 * GRAIN as u64 * PLANE, grains * MOVE],
@@ -125,14 +129,15 @@ mod tests {
     /// The count goes with the points, the grid and the steps of the grains; a point reads and writes its own state at least twice in a step.
     #[test]
     fn work_goes_with_what_there_is() {
-        let bare = Extent { points: 1000, blocks: [20, 30], size: [6; 3], walls: [0; 6], plates: 0, grains: None };
+        let bare =
+            Extent { points: 1000, several_laws: false, blocks: [20, 30], size: [6; 3], walls: [0; 6], plates: 0, grains: None };
         let one = StepWork::of(&bare, 0);
         assert_eq!(one.dispatches, bare.step().len() as u64);
         let twice = StepWork::of(&Extent { points: 2000, ..bare }, 0);
         let [of_points, flops] = [twice.bytes - one.bytes, twice.flops - one.flops];
         assert!(of_points > 2 * 1000 * 9 * PLANE && one.bytes > of_points);
         assert!(0 < flops && flops < one.flops);
-        assert_eq!(one.bytes - of_points, 20 * (4 * TILE as u64 * PLANE + 32 * (10 * PLANE + 9 * WORD)));
+        assert_eq!(one.bytes - of_points, 20 * (4 * TILE as u64 * PLANE + 32 * (8 * PLANE + 9 * WORD)));
         let with = |rates| StepWork::of(&Extent { grains: Some(GrainExtent { grains: 5, rows: 100, rates }), ..bare }, 50);
         let more = [with(2), with(3), with(4)].map(|w| w.flops);
         assert!(with(1).flops > one.flops && more[1] - more[0] == more[2] - more[1] && more[0] < more[1]);

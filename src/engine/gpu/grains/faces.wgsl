@@ -92,7 +92,7 @@ fn follow_faces(i: u32, o: vec3<f32>, base: vec3<i32>) {
     if !FACES || r == NONE {
         return;
     }
-    let radius = f32(bitcast<i32>(word(ENERGY, i).w)) * (params.cell / UNITS);
+    let radius = f32(radius_in_units(i)) * (params.cell / UNITS);
     for (var s = 0u; s < ROW_PLACES; s++) {
         if rows[row_at(C_SPRING, s, r)].w == NONE {
             break;

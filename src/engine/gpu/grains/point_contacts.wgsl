@@ -6,7 +6,7 @@ const SURROUNDED: u32 = 6u;
 
 // Radius of the ghost of a point.
 fn ghost_radius(i: u32) -> Length {
-    return length_of(vec3<i32>(0), vec3<i32>(bitcast<i32>(word(ENERGY, i).w), 0, 0), vec3<f32>(0.0));
+    return length_of(vec3<i32>(0), vec3<i32>(radius_in_units(i), 0, 0), vec3<f32>(0.0));
 }
 
 // Position of a point, cells from the corner of the domain.
@@ -79,7 +79,7 @@ fn beyond_ghost(r: u32) -> f32 {
 fn point_candidates(i: u32) {
     let at = point_cells(i);
     var r = transport[i].w;
-    let radius = f32(bitcast<i32>(word(ENERGY, i).w)) / UNITS + beyond_ghost(r);
+    let radius = f32(radius_in_units(i)) / UNITS + beyond_ghost(r);
     var found: array<u32, ROW_PLACES>;
     var n = 0u;
     var count = 0u;
