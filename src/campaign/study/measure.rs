@@ -22,6 +22,8 @@ pub enum Measure {
     K0,
     /// Void ratio at the end.
     VoidRatio,
+    /// Largest axial stress, over that of the reference.
+    LargestStress,
     /// Largest principal stress ratio, over that of the reference.
     PeakStrength,
     /// Principal stress ratio at the end (of grains, whose forces rise and fall, the mean of q/p over the last half of the strain), over that of the reference.
@@ -114,13 +116,14 @@ fn at(curve: &[(f64, f64)], x: f64) -> f64 {
 
 impl Measure {
     /// All measures.
-    pub const ALL: [Measure; 9] = [
+    pub const ALL: [Measure; 10] = [
         Measure::Compression,
         Measure::StressStrain,
         Measure::Gradation,
         Measure::CrushEvents,
         Measure::K0,
         Measure::VoidRatio,
+        Measure::LargestStress,
         Measure::PeakStrength,
         Measure::ResidualStrength,
         Measure::EnergyError,
@@ -135,6 +138,7 @@ impl Measure {
             Measure::CrushEvents => "crush_events",
             Measure::K0 => "k0",
             Measure::VoidRatio => "void_ratio",
+            Measure::LargestStress => "largest_stress",
             Measure::PeakStrength => "peak_strength",
             Measure::ResidualStrength => "residual_strength",
             Measure::EnergyError => "energy_error",
@@ -150,10 +154,17 @@ impl Measure {
             Measure::CrushEvents => "difference of breakages over their number (–)",
             Measure::K0 => "difference of k_{0} at the end (–)",
             Measure::VoidRatio => "difference of the void ratio at the end (–)",
+            Measure::LargestStress => "difference of the largest axial stress over it (–)",
             Measure::PeakStrength => "difference of the peak stress ratio over it (–)",
             Measure::ResidualStrength => "difference of the residual stress ratio over it (–)",
             Measure::EnergyError => "difference of the energy error (–)",
         }
+    }
+
+    /// Whether it is a share of the reference's mean.
+    fn is_relative(self) -> bool {
+        use Measure::{CrushEvents, LargestStress, PeakStrength, ResidualStrength, StressStrain};
+        [StressStrain, CrushEvents, LargestStress, PeakStrength, ResidualStrength].contains(&self)
     }
 
     /// The components of the measure for each run, all at the same abscissae; `None` for a run that does not have it. `runs` holds the runs of each setting,
@@ -167,15 +178,14 @@ impl Measure {
             Measure::CrushEvents => each(runs, number("/crush_events")),
             Measure::K0 => each(runs, number("/k0_final")),
             Measure::VoidRatio => each(runs, number("/void_ratio_final")),
+            Measure::LargestStress => each(runs, number("/max_measured_stress_kPa")),
             Measure::PeakStrength => each(runs, number("/peak_stress_ratio")),
             Measure::ResidualStrength => {
                 each(runs, |run| run.number("/residual_stress_ratio").or_else(|| late(&run.test)).map(|x| vec![x]))
             }
             Measure::EnergyError => each(runs, number("/energy_error")),
         };
-        let relative =
-            [Measure::StressStrain, Measure::CrushEvents, Measure::PeakStrength, Measure::ResidualStrength].contains(&self);
-        if relative {
+        if self.is_relative() {
             let most = |v: &Vec<f64>| v.iter().copied().fold(f64::NEG_INFINITY, f64::max);
             let of_reference: Vec<f64> = found.first().into_iter().flatten().flatten().map(most).collect();
             let mean = of_reference.iter().sum::<f64>() / of_reference.len() as f64;

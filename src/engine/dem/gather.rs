@@ -95,19 +95,16 @@ fn heaviest(links: &[Link], loads: &[f64]) -> f64 {
     links.iter().map(|e| loads[e.slot()]).fold(0.0, f64::max)
 }
 
-/// Adds the rolling moments of the contacts of grain `i` to its torque.
-fn add_rolling(t: &mut [f64; 4], i: usize, neighbours: &Neighbours, pairs: &Pairs, wall_pairs: &Pairs) {
+/// The torque of grain `i` with the rolling moments of its contacts.
+#[inline(always)]
+fn with_rolling<F: Four>(token: F::Token, torque: F, i: usize, neighbours: &Neighbours, pairs: &Pairs, wall_pairs: &Pairs) -> F {
+    let mut sum = torque;
     for &e in neighbours.contacts.links(i) {
-        let slot = e.slot();
-        let (moment, sign) = match (e.is_wall(), e.second_end()) {
-            (true, _) => (wall_pairs.rolling[slot], 1.0),
-            (false, false) => (pairs.rolling[slot], 1.0),
-            (false, true) => (pairs.rolling[slot], -1.0),
-        };
-        for a in 0..3 {
-            t[a] += sign * moment[a];
-        }
+        let of = if e.is_wall() { wall_pairs } else { pairs };
+        let [x, y, z] = of.rolling[e.slot()];
+        sum = sum + F::of(token, [x, y, z, 0.0]) * F::all(token, e.sign());
     }
+    sum
 }
 
 /// Adds the weight of a grain to its force.
@@ -120,11 +117,11 @@ fn weigh(force: &mut [f64; 4], mass: f64, gravity: [f64; 3]) {
 /// Force, N, and torque, N m, on grain `i` from contacts, rolling moments, gravity and softening contacts of broken neighbours, before damping. The torque is
 /// zero if grains are kept from rotating.
 pub fn force_and_torque(i: usize, physics: &Physics, state: &State, neighbours: &Neighbours) -> ([f64; 3], [f64; 3]) {
-    let s = sum::<Plain, false>((), i, state.grains.pos[i][3], neighbours, &state.pairs, &state.wall_pairs);
-    let (mut f, mut t) = (s.force.xyzw(), s.torque.xyzw());
+    let mut s = sum::<Plain, false>((), i, state.grains.pos[i][3], neighbours, &state.pairs, &state.wall_pairs);
     if physics.contact.rolling {
-        add_rolling(&mut t, i, neighbours, &state.pairs, &state.wall_pairs);
+        s.torque = with_rolling((), s.torque, i, neighbours, &state.pairs, &state.wall_pairs);
     }
+    let (mut f, mut t) = (s.force.xyzw(), s.torque.xyzw());
     if physics.gravity != [0.0; 3] {
         weigh(&mut f, state.grains.mass[i], physics.gravity);
     }
@@ -288,9 +285,7 @@ fn chunk<F: Four, const LEDGER: bool, const CRUSH: bool, const ROLLING: bool, co
         }
         let mut sums = sum::<F, LEDGER>(token, i, pos[3], input.neighbours, input.pairs, input.wall_pairs);
         if ROLLING {
-            let mut t = sums.torque.xyzw();
-            add_rolling(&mut t, i, input.neighbours, input.pairs, input.wall_pairs);
-            sums.torque = F::of(token, t);
+            sums.torque = with_rolling(token, sums.torque, i, input.neighbours, input.pairs, input.wall_pairs);
         }
         if let Some(&[force, torque]) = external {
             sums.force = sums.force + F::of(token, force);

@@ -80,22 +80,22 @@ impl Held {
         self.platens_sum / self.steps.max(1) as f64
     }
 
-    /// Whether the platens' stresses have differed by no more than the level allows; nobody knows where no step counts.
-    pub fn keeps(&self, level: &Level) -> Option<bool> {
-        let within = match level.promise.platens {
-            Platens::Largest(most) => self.platens <= most,
-            Platens::Mean(most) => self.mean_platens() <= most,
-        };
-        (self.steps > 0).then_some(within)
+    /// The difference of the platens' stresses that a level is held to: the largest, or the mean.
+    fn found(&self, level: &Level) -> f64 {
+        match level.promise.platens {
+            Platens::Largest(_) => self.platens,
+            Platens::Mean(_) => self.mean_platens(),
+        }
     }
 
-    /// The entry `accuracy` of `summary.json`: what the level promises, and whether the platens have been as close to balance as that asks for.
+    /// Whether the platens' stresses have differed by no more than the level allows; nobody knows where no step counts.
+    pub fn keeps(&self, level: &Level) -> Option<bool> {
+        (self.steps > 0).then_some(level.allows(self.found(level)))
+    }
+
+    /// The entry `accuracy` of `summary.json` ([`Level::against`]).
     pub fn against(&self, level: &Level) -> Value {
-        let (name, found) = match level.promise.platens {
-            Platens::Largest(_) => ("largest_platen_difference", self.platens),
-            Platens::Mean(_) => ("mean_platen_difference", self.mean_platens()),
-        };
-        json!({ "level": level.word, "promise": level.promise, name: found, "kept": self.keeps(level) })
+        level.against(self.found(level), self.keeps(level))
     }
 
     /// The entry `held_every_step` of `summary.json`.
@@ -124,7 +124,7 @@ mod tests {
         let mut held = Held::default();
         held.look(&now(1e4, true), &stresses(1e4, 1e4));
         assert_eq!(held, Held::default());
-        let [draft, standard] = ["draft", "standard"].map(|word| Level::of("isotropic", word).expect("a level"));
+        let [draft, standard] = ["draft", "standard"].map(|word| Level::of("isotropic", "", word).expect("a level"));
         assert_eq!(held.keeps(draft), None);
         for (sigma, waits) in [(1e6, false), (0.7e6, true), (0.8e6, true), (0.99e6, false), (0.9e6, true)] {
             held.look(&now(sigma, waits), &stresses(1.02 * sigma, 0.98 * sigma));

@@ -136,11 +136,7 @@ const GROWN: f64 = 0.25;
 fn warnings(recorder: &Recorder, growth: f64, accuracy: Option<&Level>) -> Vec<String> {
     let mut warnings = recorder.broken.warnings();
     if let Some(level) = accuracy.filter(|level| recorder.held.keeps(level) == Some(false)) {
-        warnings.push(format!(
-            "the stresses on the platens differed by more than {} that accuracy = \"{}\" allows: load more slowly, or ask for more accuracy",
-            level.promise.platens.in_words(),
-            level.word
-        ));
+        warnings.push(level.warning());
     }
     if recorder.deepest > DEEP {
         warnings.push(format!(

@@ -112,8 +112,21 @@ const MORE_STEPS: Set =
 const JUDGED_ALWAYS: Set = ("crushing", "interval", "1", "grains are judged in every step");
 const JUDGED_SELDOM: Set = ("crushing", "interval", "10", "grains are judged every tenth step");
 
-/// Levels of the tests that have them, by the kind of the scene.
-const LEVELS: [(&str, [Level; 3]); 3] = [("oedometer", OEDOMETER), ("isotropic", ISOTROPIC), ("triaxial", TRIAXIAL)];
+// of tests of points, where the platens move at a share of the speed of waves
+const USUAL_RATE: Set = ("test", "strain_per_wave", "0.0001", "half of it changes strengths by a fifth of a percent");
+const SLOW_RATE: Set = ("test", "strain_per_wave", "0.00005", "half the usual speed of the platens");
+const FAST_RATE: Set = ("test", "strain_per_wave", "0.0005", "five times the usual speed of the platens");
+
+/// Levels of the tests that have them, by the kind of the scene and, of those with points, its test.
+const LEVELS: [(&str, Option<&str>, [Level; 3]); 7] = [
+    ("oedometer", None, OEDOMETER),
+    ("isotropic", None, ISOTROPIC),
+    ("triaxial", None, TRIAXIAL),
+    ("continuum", Some("oedometer"), OEDOMETER_OF_POINTS),
+    ("continuum", Some("triaxial"), TRIAXIAL_OF_POINTS),
+    ("mixture", Some("oedometer"), OEDOMETER_OF_POINTS),
+    ("mixture", Some("triaxial"), TRIAXIAL_OF_POINTS),
+];
 
 const OF_OEDOMETER: &str = "coke to 1 MPa, mean of ten seeds";
 
@@ -267,11 +280,87 @@ const TRIAXIAL: [Level; 3] = [
     },
 ];
 
+/// Levels of a test of points, alone or with coarse grains: its platens' speed and its step. What `draft` and `standard` promise, and how far the platens' stresses may differ.
+const fn of_points(draft: Promise, standard: Promise, reference: Platens) -> [Level; 3] {
+    let promise = Promise { differences: &[], of: standard.of, platens: reference };
+    [
+        Level { word: "draft", keys: &[STEP, FAST_RATE], promise: draft },
+        Level { word: "standard", keys: &[STEP, USUAL_RATE], promise: standard },
+        Level { word: "reference", keys: &[HALF_STEP, SLOW_RATE], promise },
+    ]
+}
+
+const OF_OEDOMETER_OF_POINTS: &str = "points alone, and with a fifth of coarse grains, mean of three seeds";
+
+/// By `experiments/studies/accuracy_continuum_oedometer.toml` and `accuracy_mixture_oedometer.toml`.
+const OEDOMETER_OF_POINTS: [Level; 3] = of_points(
+    Promise {
+        differences: &[share("largest_stress", 0.03, "the largest stress"), of("k0", 0.01, "k0")],
+        of: OF_OEDOMETER_OF_POINTS,
+        platens: Platens::Largest(0.04),
+    },
+    Promise {
+        differences: &[share("largest_stress", 0.01, "the largest stress"), of("k0", 0.005, "k0")],
+        of: OF_OEDOMETER_OF_POINTS,
+        platens: Platens::Largest(0.01),
+    },
+    Platens::Largest(0.005),
+);
+
+const OF_TRIAXIAL_OF_POINTS: &str = "points alone, and with a fifth of coarse grains, at 50 kPa, mean of three seeds";
+
+/// By `experiments/studies/accuracy_continuum_triaxial.toml` and `accuracy_mixture_triaxial.toml`.
+const TRIAXIAL_OF_POINTS: [Level; 3] = of_points(
+    Promise {
+        differences: &[
+            share("peak_strength", 0.02, "the peak of σ₁/σ₃"),
+            share("residual_strength", 0.03, "σ₁/σ₃ at the end"),
+            of("void_ratio", 0.015, "the void ratio at the end"),
+        ],
+        of: OF_TRIAXIAL_OF_POINTS,
+        platens: Platens::Largest(0.04),
+    },
+    Promise {
+        differences: &[
+            share("peak_strength", 0.01, "the peak of σ₁/σ₃"),
+            share("residual_strength", 0.01, "σ₁/σ₃ at the end"),
+            of("void_ratio", 0.01, "the void ratio at the end"),
+        ],
+        of: OF_TRIAXIAL_OF_POINTS,
+        platens: Platens::Largest(0.01),
+    },
+    Platens::Largest(0.005),
+);
+
 impl Level {
-    /// The level of a word for a kind of scene; `None` where there is none.
-    pub fn of(kind: &str, word: &str) -> Option<&'static Level> {
-        let (_, levels) = LEVELS.iter().find(|(name, _)| *name == kind)?;
+    /// The level of a word for a kind of scene and, of those with points, its test (`test.rig`); `None` where there is none.
+    pub fn of(kind: &str, rig: &str, word: &str) -> Option<&'static Level> {
+        let (.., levels) = LEVELS.iter().find(|(name, test, _)| *name == kind && test.is_none_or(|test| test == rig))?;
         levels.iter().find(|level| level.word == word)
+    }
+
+    /// Whether it allows this difference of the platens' stresses, over their mean: the largest, or the mean.
+    pub fn allows(&self, found: f64) -> bool {
+        let (_, most) = self.promise.platens.named();
+        found <= most
+    }
+
+    /// The entry `accuracy` of a summary: what the level promises, how far the platens' stresses have differed, and whether that is as close to balance as it asks for; `None`: nobody knows.
+    pub fn against(&self, found: f64, kept: Option<bool>) -> serde_json::Value {
+        let name = match self.promise.platens {
+            Platens::Largest(_) => "largest_platen_difference",
+            Platens::Mean(_) => "mean_platen_difference",
+        };
+        serde_json::json!({ "level": self.word, "promise": self.promise, name: found, "kept": kept })
+    }
+
+    /// What a run is warned of whose platens have not been so close to balance.
+    pub fn warning(&self) -> String {
+        format!(
+            "the stresses on the platens differed by more than {} that accuracy = \"{}\" allows: load more slowly, or ask for more accuracy",
+            self.promise.platens.in_words(),
+            self.word
+        )
     }
 }
 
@@ -282,7 +371,8 @@ const SET: &str = "set by accuracy";
 pub fn fill(layer: &mut Layer) {
     let word = |key: &str| layer.table.get(key).and_then(Value::as_str);
     let (Some(kind), Some(wanted)) = (word("kind"), word("accuracy")) else { return };
-    let Some(level) = Level::of(kind, wanted) else { return };
+    let rig = layer.table.get("test").and_then(|test| test.get("rig")).and_then(Value::as_str).unwrap_or("");
+    let Some(level) = Level::of(kind, rig, wanted) else { return };
     let breaks = layer.table.get("crushing").and_then(|c| c.get("enabled")).and_then(Value::as_bool) == Some(true);
     for (table, key, value, why) in level.keys {
         if *table == "crushing" && !breaks {
@@ -335,6 +425,22 @@ mod tests {
         assert!(of(&["accuracy=reference"]).contains(&"stepping.safety=0.4".to_string()));
     }
 
+    /// A test of points has the speed of its platens and its step from its level; where nothing is tested there is none.
+    #[test]
+    fn tests_of_points_have_levels() {
+        let of = |rig: &str, word: &str| {
+            let text = format!(
+                "kind = \"continuum\"\naccuracy = \"{word}\"\n[material]\nbase = \"materials/li2023_fines.toml\"\n\
+                [[body]]\nshape = \"box\"\nmin_mm = [0.0, 0.0, 0.0]\nmax_mm = [30.0, 30.0, 30.0]\nporosity = 0.37\nstress_kPa = 20.0\n\
+                [grid]\ncell_mm = 5.0\n[test]\nrig = \"{rig}\"\naxial_strain = 0.01\n"
+            );
+            let found = from_text(&text, concat!(env!("CARGO_MANIFEST_DIR"), "/../.."), &[]).expect("a scene");
+            set_by_accuracy(&found).iter().map(|a| format!("{}={}", a.key, a.value)).collect::<Vec<_>>()
+        };
+        assert_eq!(of("oedometer", "draft"), ["stepping.safety=0.8", "test.strain_per_wave=0.0005"]);
+        assert_eq!(of("oedometer", "reference"), ["stepping.safety=0.4", "test.strain_per_wave=0.00005"]);
+    }
+
     #[test]
     fn a_word_that_is_no_level_is_refused_with_those_that_are() {
         let told = scene(&["accuracy=fast"]).expect_err("no level").to_string();
@@ -343,7 +449,7 @@ mod tests {
 
     #[test]
     fn levels_have_the_words_of_the_key_and_get_stricter() {
-        for (kind, levels) in &LEVELS {
+        for (kind, rig, levels) in &LEVELS {
             assert_eq!(levels.each_ref().map(|level| level.word), WORDS, "{kind}");
             for pair in levels.windows(2) {
                 let [a, b] = [pair[0].promise, pair[1].promise];
@@ -355,7 +461,7 @@ mod tests {
                     assert!(a.name == b.name && stricter, "{kind} {}", a.name);
                 }
             }
-            let names = |word| Level::of(kind, word).map(|level| level.promise.differences.len());
+            let names = |word| Level::of(kind, rig.unwrap_or(""), word).map(|level| level.promise.differences.len());
             assert_eq!(names("draft"), names("standard"), "{kind}");
             assert_eq!(names("reference"), Some(0), "{kind}");
         }
@@ -372,7 +478,7 @@ mod tests {
                 let text = text[..text.find("[loading]").expect("a table")].to_string() + loading;
                 let text = text.replace("[loading]", "isotropic_stress_kPa = 100.0\n[loading]");
                 let scene = from_text(&text, concat!(env!("CARGO_MANIFEST_DIR"), "/../.."), &[]).expect("a scene");
-                let unbroken = Level::of(kind, word).expect("a level").keys.iter().filter(|(table, ..)| *table != "crushing");
+                let unbroken = Level::of(kind, "", word).expect("a level").keys.iter().filter(|(table, ..)| *table != "crushing");
                 assert_eq!(set_by_accuracy(&scene).len(), unbroken.count(), "{kind} {word}");
             }
         }

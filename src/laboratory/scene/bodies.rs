@@ -121,6 +121,10 @@ impl View<'_> {
                 good = false;
             }
         }
+        if table.contains_key("porosity") && table.contains_key("void_ratio") {
+            self.refuse(&at("void_ratio"), "must not stand beside porosity: one of them");
+            good = false;
+        }
         let law = self.material_of_body(i, table, named);
         if !good {
             return None;
@@ -150,7 +154,7 @@ impl View<'_> {
             _ => self.cloud(i, table)?,
         };
         let law = law?;
-        let porosity = number(table, "porosity")?;
+        let porosity = porosity(table);
         Some(Body {
             shape,
             velocity: vector(table, "velocity_m_s")?,
@@ -365,6 +369,12 @@ fn mm(x: f64) -> String {
     table::number((1e9 * x).round() * 1e-6)
 }
 
+/// Porosity of a body at the start, from it or its void ratio.
+pub fn porosity(body: &Table) -> f64 {
+    let of_voids = || number(body, "void_ratio").map_or(0.0, |e| e / (1.0 + e));
+    number(body, "porosity").unwrap_or_else(of_voids)
+}
+
 pub fn number(table: &Table, key: &str) -> Option<f64> {
     table.get(key)?.as_float().map(|x| x * unit(key))
 }
@@ -375,4 +385,29 @@ fn numbers(table: &Table, key: &str) -> Option<Vec<f64>> {
 
 pub fn vector(table: &Table, key: &str) -> Option<[f64; 3]> {
     numbers(table, key)?.try_into().ok()
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::model::Rig;
+    use crate::scene::{from_text, model};
+
+    /// Porosity of the points of a box with these lines.
+    fn porosity(lines: &str) -> Result<f64, String> {
+        let text = format!(
+            "kind = \"continuum\"\n[material]\nbase = \"materials/li2023_fines.toml\"\n[grid]\ncell_mm = 5.0\n[test]\nrig = \"oedometer\"\naxial_strain = 0.01\n\
+            [[body]]\nshape = \"box\"\nmin_mm = [0.0, 0.0, 0.0]\nmax_mm = [20.0, 20.0, 20.0]\nstress_kPa = 20.0\n{lines}"
+        );
+        let of = |scene| model(&scene).map_err(|e| e.to_string());
+        let found = from_text(&text, concat!(env!("CARGO_MANIFEST_DIR"), "/../.."), &[]).map_err(|e| e.to_string()).and_then(of)?;
+        let Rig::Continuum(rig) = found.rig else { panic!("the rig") };
+        Ok(rig.specimen().expect("a specimen").porosity)
+    }
+
+    #[test]
+    fn a_body_has_a_porosity_or_a_void_ratio() {
+        assert_eq!([porosity("porosity = 0.4\n"), porosity("void_ratio = 0.6\n"), porosity("")], [Ok(0.4), Ok(0.6 / 1.6), Ok(0.0)]);
+        let told = porosity("porosity = 0.4\nvoid_ratio = 0.6\n").expect_err("two of them");
+        assert!(told.contains("body[0].void_ratio") && told.contains("porosity"), "{told}");
+    }
 }

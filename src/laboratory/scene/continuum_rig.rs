@@ -1,6 +1,6 @@
 //! From the keys of a continuum to its [`Model`].
 
-use super::bodies::{number, vector};
+use super::bodies::{number, porosity, vector};
 use super::continuum_estimate::wave_step;
 use super::material::Named;
 use super::view::View;
@@ -47,7 +47,7 @@ impl View<'_> {
             scale: 1.0,
             rig: Rig::Continuum(Box::new(rig)),
             records,
-            accuracy: None,
+            accuracy: self.level(),
         })
     }
 
@@ -225,7 +225,7 @@ impl View<'_> {
         let body = *self.list("body").first()?;
         let round = body.get("shape").and_then(toml::Value::as_str) == Some("cylinder");
         let solid = n * std::f64::consts::PI / 6.0 * d * d * d;
-        let spacing = (solid / (1.0 - number(body, "porosity")?)).cbrt();
+        let spacing = (solid / (1.0 - porosity(body))).cbrt();
         let per = self.whole("grid.points_per_edge")? as f64;
         let edge = match (vector(body, "min_mm"), vector(body, "max_mm")) {
             (Some(min), Some(max)) => max[0] - min[0],
@@ -398,9 +398,9 @@ impl View<'_> {
             round,
             stress: number(body, "stress_kPa").unwrap_or(pressure),
             spacing: settings.cell / f64::from(per),
-            porosity: number(body, "porosity")?,
+            porosity: porosity(body),
             law: law as u8,
-            density: (1.0 - number(body, "porosity")?) * self.si(&named[law].key("grain.density_kg_m3")),
+            density: (1.0 - porosity(body)) * self.si(&named[law].key("grain.density_kg_m3")),
             lattice: true,
             modulus: self.contact_modulus(&named[law], &laws[law]),
             axial_strain,

@@ -61,6 +61,10 @@ const fn cylinder(path: &'static str, shape: Shape, default: Default, what: &'st
     Key { of: Of::Cylinder, ..both(path, shape, default, what) }
 }
 
+const fn tests(path: &'static str, shape: Shape, default: Default, what: &'static str) -> Key {
+    Key { of: Of::Tests, ..both(path, shape, default, what) }
+}
+
 const fn triaxial(path: &'static str, shape: Shape, default: Default, what: &'static str) -> Key {
     Key { of: Of::Triaxial, ..both(path, shape, default, what) }
 }
@@ -246,7 +250,7 @@ const OWN: &[Key] = &[
     ),
     every("name", Name, Absent, "name in legends and records; the file's own name if not written"),
     every("description", Text, Is("\"\""), "one line about the scene"),
-    cylinder(
+    tests(
         "accuracy",
         Choice(&WORDS),
         Absent,
@@ -577,9 +581,10 @@ const OWN: &[Key] = &[
     continuum(
         "body.porosity",
         Number(RATIO),
-        Is("0.0"),
-        "porosity at the start: density is the grains' times 1 - porosity, and platens meet the solid volume of a point",
+        Absent,
+        "porosity at the start: density is the grains' times 1 - porosity, and platens meet the solid volume of a point; 0 without it or void_ratio",
     ),
+    continuum("body.void_ratio", Number(POSITIVE), Absent, "void ratio at the start; or porosity"),
     continuum("body.velocity_m_s", VECTOR, Is("[0, 0, 0]"), "velocity at the start"),
     continuum(
         "body.stress_kPa",

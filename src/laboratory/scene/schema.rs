@@ -17,6 +17,8 @@ pub enum Of {
     States,
     /// Tests of a cylindrical specimen.
     Cylinder,
+    /// Tests of a specimen of grains, and continua and mixtures, which may be tested.
+    Tests,
     /// Compression by stages of stress.
     Compression,
     Oedometer,
@@ -82,6 +84,7 @@ impl Of {
             (Of::Listed, kind) => matches!(kind, Of::Assembly | Of::Mixture),
             (Of::Free, kind) => matches!(kind, Of::Assembly | Of::Continuum | Of::Mixture),
             (Of::Cylinder, kind) => matches!(kind, Of::Oedometer | Of::Triaxial | Of::Isotropic),
+            (Of::Tests, kind) => Of::Continuum.fits(kind) || Of::Cylinder.fits(kind),
             (Of::Prepared, kind) => kind == Of::Mixture || Of::Cylinder.fits(kind),
             (Of::Compression, kind) => matches!(kind, Of::Oedometer | Of::Isotropic),
             (own, kind) => own == kind,

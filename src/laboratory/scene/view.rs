@@ -215,8 +215,16 @@ impl<'a> View<'a> {
             scale: self.scale(),
             rig,
             records: self.records()?,
-            accuracy: Level::of(self.text("kind"), self.text("accuracy")),
+            accuracy: self.level(),
         })
+    }
+
+    /// The level of accuracy that the scene asks for.
+    pub fn level(&self) -> Option<&'static Level> {
+        let word = self.text("accuracy");
+        let level = Level::of(self.text("kind"), self.text("test.rig"), word);
+        self.check(word.is_empty() || level.is_some(), "accuracy", "has a meaning in tests only, not with test.rig = \"free\"");
+        level
     }
 
     /// Gravity, m/s²; zero where the scene has none.
