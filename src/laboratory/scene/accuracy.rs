@@ -441,6 +441,18 @@ mod tests {
         assert_eq!(of("oedometer", "reference"), ["stepping.safety=0.4", "test.strain_per_wave=0.00005"]);
     }
 
+    /// Mixtures of grains alone have no levels: no study has measured them.
+    #[test]
+    fn mixtures_without_points_have_no_levels() {
+        let told = |name: &str| {
+            let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../experiments/mixture").join(name);
+            let scene = crate::scene::load(path, &["accuracy=draft".into()]).expect("a scene");
+            crate::scene::model(&scene).err().map(|e| e.to_string())
+        };
+        assert_eq!(told("twin_points.toml"), None);
+        assert!(told("twin_grains.toml").is_some_and(|told| told.contains("accuracy")));
+    }
+
     #[test]
     fn a_word_that_is_no_level_is_refused_with_those_that_are() {
         let told = scene(&["accuracy=fast"]).expect_err("no level").to_string();

@@ -224,6 +224,10 @@ impl<'a> View<'a> {
         let word = self.text("accuracy");
         let level = Level::of(self.text("kind"), self.text("test.rig"), word);
         self.check(word.is_empty() || level.is_some(), "accuracy", "has a meaning in tests only, not with test.rig = \"free\"");
+        let measured = !self.is_without_points() && self.text("growth.fines") != "grains";
+        let message =
+            "has a meaning in tests of material points: no study has measured levels in mixtures of grains or rigid bodies alone";
+        self.check(level.is_none() || measured, "accuracy", message);
         level
     }
 
