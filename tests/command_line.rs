@@ -87,6 +87,8 @@ fn check_says_what_a_level_of_accuracy_sets() {
     let own = [&draft[..], &["--set", "loading.pace=0.004"]].concat();
     comminute(&own).success().stderr(contains("loading.pace = 0.01").not().and(contains("loading.max_lag = 0.05")));
     comminute(&["check", COKE]).success().stderr(contains("accuracy").not());
+    let own = ["check", "experiments/mpm/oedometer.toml", "--accuracy", "draft"];
+    comminute(&own).success().stderr(contains("test.strain_per_wave stays 0.0002, as the scene has it, not 0.0005"));
     refused(&["check", COKE, "--accuracy", "fast"], "accuracy=fast: must be \"draft\"");
     refused(&["check", "experiments/free/box_settling.toml", "--accuracy", "draft"], "accuracy");
 }

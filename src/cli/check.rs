@@ -95,6 +95,15 @@ fn as_text(scene: &Scene, model: &Model, estimate: &Estimate) -> String {
         for a in scene::set_by_accuracy(scene) {
             let _ = writeln!(text, "  {} = {}  ({})", a.key, scene::shown(&a.value), a.source);
         }
+        for a in scene::set_despite_accuracy(scene) {
+            let _ = writeln!(
+                text,
+                "  {} stays {}, as the scene has it, not {}: nobody has measured the level with it",
+                a.key,
+                scene::shown(&a.value),
+                a.source
+            );
+        }
     }
     text += "\ndecisions where the papers are silent:\n";
     for d in scene::decisions(scene) {

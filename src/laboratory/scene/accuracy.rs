@@ -1,7 +1,7 @@
 //! How accurate a test is to be: numerical keys that a level sets where the scene does not. Physical keys are never touched.
 
 use super::Scene;
-use super::layers::{Layer, Origin};
+use super::layers::{Layer, Origin, shown};
 use super::provenance::{Assumption, sourced};
 use toml::{Table, Value};
 
@@ -367,17 +367,19 @@ impl Level {
 /// How the source of a value begins that a level has set.
 const SET: &str = "set by accuracy";
 
+/// The level of a scene, and those of its keys that the scene uses.
+fn asked(scene: &Table) -> Option<(&'static Level, Vec<&'static Set>)> {
+    let word = |key: &str| scene.get(key).and_then(Value::as_str);
+    let rig = scene.get("test").and_then(|test| test.get("rig")).and_then(Value::as_str).unwrap_or("");
+    let level = Level::of(word("kind")?, rig, word("accuracy")?)?;
+    let breaks = scene.get("crushing").and_then(|c| c.get("enabled")).and_then(Value::as_bool) == Some(true);
+    Some((level, level.keys.iter().filter(|(table, ..)| breaks || *table != "crushing").collect()))
+}
+
 /// Sets the keys of the scene's level that it does not have itself. A word that is no level is refused later, with what is allowed.
 pub fn fill(layer: &mut Layer) {
-    let word = |key: &str| layer.table.get(key).and_then(Value::as_str);
-    let (Some(kind), Some(wanted)) = (word("kind"), word("accuracy")) else { return };
-    let rig = layer.table.get("test").and_then(|test| test.get("rig")).and_then(Value::as_str).unwrap_or("");
-    let Some(level) = Level::of(kind, rig, wanted) else { return };
-    let breaks = layer.table.get("crushing").and_then(|c| c.get("enabled")).and_then(Value::as_bool) == Some(true);
-    for (table, key, value, why) in level.keys {
-        if *table == "crushing" && !breaks {
-            continue;
-        }
+    let Some((level, keys)) = asked(&layer.table) else { return };
+    for (table, key, value, why) in keys {
         let entry = layer.table.entry(*table).or_insert_with(|| Value::Table(Table::new()));
         let Some(values) = entry.as_table_mut().filter(|values| !values.contains_key(*key)) else { continue };
         values.insert((*key).into(), value.parse().expect("a value in TOML"));
@@ -396,6 +398,21 @@ pub fn set_by_accuracy(scene: &Scene) -> Vec<Assumption> {
         value.source = value.source.split_once(": ").map_or("", |(_, why)| why).to_string();
     }
     found
+}
+
+/// Keys of a scene's level that the scene sets itself, otherwise than the level would: with them nobody has measured what the level promises. The source of each is the level's value.
+pub fn set_despite_accuracy(scene: &Scene) -> Vec<Assumption> {
+    let table = &scene.layer.table;
+    let own = |(of, key, wanted, _): &Set| {
+        let value = table.get(*of)?.get(*key)?;
+        let level: Value = wanted.parse().expect("a value in TOML");
+        (shown(value) != shown(&level)).then(|| Assumption {
+            key: format!("{of}.{key}"),
+            value: value.clone(),
+            source: shown(&level),
+        })
+    };
+    asked(table).into_iter().flat_map(|(_, keys)| keys).filter_map(own).collect()
 }
 
 #[cfg(test)]
@@ -422,6 +439,12 @@ mod tests {
         assert!(draft.contains(&"loading.pace=0.01".to_string()), "{draft:?}");
         let own = of(&["loading.pace=0.003", "crushing.enabled=true"]);
         assert!(own.iter().all(|set| !set.starts_with("loading.pace")) && own.contains(&"crushing.interval=10".into()), "{own:?}");
+        let despite = |sets: &[&str]| {
+            let found = set_despite_accuracy(&scene(sets).expect("a scene"));
+            found.iter().map(|a| format!("{}={} for {}", a.key, a.value, a.source)).collect::<Vec<_>>()
+        };
+        assert_eq!(despite(&["loading.pace=0.003"]), ["loading.pace=0.003 for 0.01"]);
+        assert!(despite(&[]).is_empty() && despite(&["loading.pace=0.01"]).is_empty());
         assert!(of(&["accuracy=reference"]).contains(&"stepping.safety=0.4".to_string()));
     }
 

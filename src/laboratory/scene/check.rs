@@ -2,7 +2,7 @@
 
 use super::{
     Estimate, Scene, assumptions, crowded, decisions, doubt, estimate, fits, is_given_its_specimen, lacking, measured_reach,
-    outline, set_by_accuracy, sure_reach, within_reach,
+    outline, set_by_accuracy, set_despite_accuracy, sure_reach, within_reach,
 };
 use crate::error::{Error, Result};
 use crate::machine::{Pace, free_disk, free_memory};
@@ -60,6 +60,11 @@ pub fn in_json(scene: &Scene, model: &Model, estimate: &Estimate) -> Value {
         "estimate": estimate,
         "assumed": assumptions(scene),
         "decisions": decisions(scene),
-        "accuracy": model.accuracy.map(|level| json!({ "level": level.word, "promise": level.promise, "sets": set_by_accuracy(scene) })),
+        "accuracy": model.accuracy.map(|level| json!({
+            "level": level.word,
+            "promise": level.promise,
+            "sets": set_by_accuracy(scene),
+            "set_despite": set_despite_accuracy(scene),
+        })),
     })
 }
