@@ -33,6 +33,9 @@ for seed in 1 2 3; do
     run "points_fines_$seed" twin_points --set coarse.mass_fraction=0 --seed "$seed"
     run "points40_$seed" twin_points --set coarse.mass_fraction=0.4 --seed "$seed"
 done
+# the same at full size, 75 mm instead of 37.5: an hour or two
+run full_grains twin_full_grains
+run full_points twin_full_points
 for cell in 3.75 2.5 1.875; do
     run "cells_$cell" twin_cells --set grid.cell_mm=$cell
 done
@@ -57,6 +60,7 @@ of() { for name in "$@"; do echo "$runs/$name"; done; }
 "$bin" plot $(of fines_{1,2,3} points_fines_{1,2,3}) --show stress_ratio,volumetric_strain --out figures/mixture/twin_00
 "$bin" plot $(of grains_{1,2,3,4,5} points_{1,2,3,4,5}) --show stress_ratio,volumetric_strain --out figures/mixture/twin_20_seeds
 "$bin" plot $(of grains40_{1,2,3} points40_{1,2,3}) --show stress_ratio,volumetric_strain --out figures/mixture/twin_40
+"$bin" plot $(of full_{grains,points}) --show stress_ratio,volumetric_strain --out figures/mixture/twin_full
 "$bin" plot $(of full_40) --show stress_bearers --out figures/mixture/full_40
 "$bin" plot $(of full_40 full_40_ratio_2_5) --show stress_ratio,volumetric_strain --out figures/mixture/full_40
 "$bin" plot $(of reduction_8 half_rate third_rate rate_2e-4 rate_4e-4) --show stress_ratio --out figures/mixture/rate
