@@ -95,13 +95,12 @@ fn as_text(scene: &Scene, model: &Model, estimate: &Estimate) -> String {
         for a in scene::set_by_accuracy(scene) {
             let _ = writeln!(text, "  {} = {}  ({})", a.key, scene::shown(&a.value), a.source);
         }
-        for a in scene::set_despite_accuracy(scene) {
+        for o in scene::accuracy_overruled(scene) {
+            let [own, level] = [&o.value, &o.level].map(scene::shown);
             let _ = writeln!(
                 text,
-                "  {} stays {}, as the scene has it, not {}: nobody has measured the level with it",
-                a.key,
-                scene::shown(&a.value),
-                a.source
+                "  {} stays {own}, as the scene has it, not {level}: no study has measured the level with it",
+                o.key
             );
         }
     }

@@ -49,6 +49,27 @@ fn a_small_triaxial_test_finds_its_peak_and_resumes_to_the_byte() {
     assert_eq!(number(&summary(&parts), "peak_stress_ratio").to_bits(), peak.to_bits());
 }
 
+/// A level of accuracy says whether the platens have been as close to balance as it asks for: at a strain of 10⁻⁴ in the time of a wave, not at fifty times that, where the run
+/// is warned of it.
+#[test]
+fn a_level_of_accuracy_is_held_to_the_balance_of_the_platens() {
+    let folder = tempfile::tempdir().expect("folder");
+    for (rate, kept) in [("0.0001", true), ("0.005", false)] {
+        let out = folder.path().join(rate);
+        let rate = format!("test.strain_per_wave={rate}");
+        let mut command = comminute("run");
+        command.args(["experiments/levels/continuum_oedometer.toml", "--accuracy", "draft", "--quiet", "--out"]).arg(&out);
+        for set in [&rate, "test.axial_strain=0.01", "grid.cell_mm=7.5", "records.figures=false", "records.snapshots=false"] {
+            command.args(["--set", set]);
+        }
+        command.assert().success();
+        let s = summary(&out);
+        assert_eq!((s["accuracy"]["level"].as_str(), s["accuracy"]["kept"].as_bool()), (Some("draft"), Some(kept)), "{s}");
+        let warned = s["warnings"].as_array().is_some_and(|all| all.iter().any(|w| w.to_string().contains("accuracy")));
+        assert_eq!(warned, !kept, "{s}");
+    }
+}
+
 /// Where a specimen of the Mohr-Coulomb law deforms evenly it ends at N + 2 c √N / σ3, N = (1 + sin φ)/(1 − sin φ), and dilates at −2 sin ψ/(1 − sin ψ) of
 /// logarithmic strains: with ψ near φ on 4 cells, and with the scene's ψ of 8° on 2 cells. On 4 cells such a ψ lets planes slide past each other, as it may where
 /// ψ < φ, and the specimen ends below N, but above the strength of planes that can only slide, tan φ* = sin φ cos ψ/(1 − sin φ sin ψ) (Davis 1968).

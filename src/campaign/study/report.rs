@@ -235,6 +235,9 @@ fn shown(d: Difference) -> String {
     let digits = |x: f64| significant(x, 2).replace('-', "−");
     if d.half_width.is_nan() {
         format!("{} (one seed)", digits(d.mean))
+    } else if d.half_width == 0.0 {
+        // a scene that draws nothing
+        digits(d.mean)
     } else {
         format!("{} ± {}", digits(d.mean), digits(d.half_width))
     }
@@ -251,9 +254,10 @@ fn page(plan: &Plan, rows: &[Row], judged: &[Judged], drawn: &[PathBuf]) -> Stri
     }
     let _ = writeln!(
         text,
-        "Reference: {} ({seeds} runs). Differences from it are taken seed by seed; ± is half the interval of 95 % of their mean. *Within* the tolerance is a setting whose whole interval is, *outside* one whose \
+        "Reference: {} ({seeds} run{}). Differences from it are taken seed by seed; ± is half the interval of 95 % of their mean. *Within* the tolerance is a setting whose whole interval is, *outside* one whose \
          interval lies beyond it, *open* what needs more seeds. A tolerance that the plan does not give is the standard deviation of the reference over its seeds.\n",
-        rows[0].setting.name
+        rows[0].setting.name,
+        if seeds == 1 { "" } else { "s" }
     );
     let heads: Vec<String> = judged
         .iter()

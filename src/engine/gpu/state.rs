@@ -44,7 +44,7 @@ pub fn cell_of(settings: &Settings, position: &[f64; 4]) -> (u32, [(i32, i32, f3
     (cell_number(at.map(|at| (at.0 + 1) as u32)), at)
 }
 
-/// The planes of the points, one after the other. Points must lie within the domain.
+/// The planes of the points, one after the other, and their single words. Points must lie within the domain.
 pub fn to_device(settings: &Settings, points: &Points, plates: bool) -> Vec<[u32; 4]> {
     let n = points.len();
     let mut planes = vec![[0_u32; 4]; entries(n, plates)];

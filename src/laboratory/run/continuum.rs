@@ -463,10 +463,6 @@ fn summary(model: &Model, rig: &MpmTest, progress: &Progress, engine: &Engine) -
             put("points_inertia", json!(rig.points_inertia));
         }
         put("quasi_static", held);
-        if let Some(level) = model.accuracy {
-            let found = r.worst[0];
-            put("accuracy", level.against(found, (found > 0.0).then_some(level.allows(found))));
-        }
     }
     if let Some(mixture) = &state.mixture {
         let (coarse, _) = mixture.grains.grains.mass_and_volume();
@@ -541,10 +537,16 @@ fn summary(model: &Model, rig: &MpmTest, progress: &Progress, engine: &Engine) -
     put("simd", json!(engine::math::real::name(engine::math::real::arch())));
     put("version", json!(env!("CARGO_PKG_VERSION")));
     put("host", json!(format!("{} {}", std::env::consts::OS, std::env::consts::ARCH)));
-    if let Some(level) = model.accuracy.filter(|level| !level.allows(r.worst[0]))
-        && let Value::Array(warnings) = s.entry("warnings").or_insert_with(|| json!([]))
-    {
-        warnings.push(json!(level.warning()));
+    if let Some(level) = model.accuracy {
+        let found = r.worst[0];
+        let kept = (found > 0.0).then_some(level.allows(found));
+        s.insert("accuracy".into(), level.against(found, kept));
+        // beside those of breakages
+        if kept == Some(false)
+            && let Value::Array(warnings) = s.entry("warnings").or_insert_with(|| json!([]))
+        {
+            warnings.push(json!(level.warning()));
+        }
     }
     Value::Object(s)
 }

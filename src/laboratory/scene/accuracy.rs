@@ -3,6 +3,7 @@
 use super::Scene;
 use super::layers::{Layer, Origin, shown};
 use super::provenance::{Assumption, sourced};
+use serde::{Serialize, Serializer};
 use toml::{Table, Value};
 
 /// What a level sets in a test, and by how much its results may differ from those of `reference`.
@@ -91,8 +92,8 @@ impl Promise {
     }
 }
 
-impl serde::Serialize for Promise {
-    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+impl Serialize for Promise {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let differences = self.differences.iter().map(|d| (d.name, d.most));
         serializer.collect_map(differences.chain([self.platens.named()]))
     }
@@ -400,17 +401,24 @@ pub fn set_by_accuracy(scene: &Scene) -> Vec<Assumption> {
     found
 }
 
-/// Keys of a scene's level that the scene sets itself, otherwise than the level would: with them nobody has measured what the level promises. The source of each is the level's value.
-pub fn set_despite_accuracy(scene: &Scene) -> Vec<Assumption> {
+/// A key of a level that the scene sets itself, otherwise than the level would.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Overruled {
+    /// Dotted key.
+    pub key: String,
+    /// The scene's value, in the unit of the key.
+    pub value: Value,
+    /// The level's value.
+    pub level: Value,
+}
+
+/// The keys of a scene's level that the scene sets otherwise: no study has measured what the level promises with them.
+pub fn accuracy_overruled(scene: &Scene) -> Vec<Overruled> {
     let table = &scene.layer.table;
     let own = |(of, key, wanted, _): &Set| {
         let value = table.get(*of)?.get(*key)?;
         let level: Value = wanted.parse().expect("a value in TOML");
-        (shown(value) != shown(&level)).then(|| Assumption {
-            key: format!("{of}.{key}"),
-            value: value.clone(),
-            source: shown(&level),
-        })
+        (shown(value) != shown(&level)).then(|| Overruled { key: format!("{of}.{key}"), value: value.clone(), level })
     };
     asked(table).into_iter().flat_map(|(_, keys)| keys).filter_map(own).collect()
 }
@@ -440,8 +448,8 @@ mod tests {
         let own = of(&["loading.pace=0.003", "crushing.enabled=true"]);
         assert!(own.iter().all(|set| !set.starts_with("loading.pace")) && own.contains(&"crushing.interval=10".into()), "{own:?}");
         let despite = |sets: &[&str]| {
-            let found = set_despite_accuracy(&scene(sets).expect("a scene"));
-            found.iter().map(|a| format!("{}={} for {}", a.key, a.value, a.source)).collect::<Vec<_>>()
+            let found = accuracy_overruled(&scene(sets).expect("a scene"));
+            found.iter().map(|a| format!("{}={} for {}", a.key, a.value, a.level)).collect::<Vec<_>>()
         };
         assert_eq!(despite(&["loading.pace=0.003"]), ["loading.pace=0.003 for 0.01"]);
         assert!(despite(&[]).is_empty() && despite(&["loading.pace=0.01"]).is_empty());

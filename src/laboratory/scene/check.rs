@@ -1,8 +1,8 @@
 //! What the run of a scene would be, before it is started.
 
 use super::{
-    Estimate, Scene, assumptions, crowded, decisions, doubt, estimate, fits, is_given_its_specimen, lacking, measured_reach,
-    outline, set_by_accuracy, set_despite_accuracy, sure_reach, within_reach,
+    Estimate, Scene, accuracy_overruled, assumptions, crowded, decisions, doubt, estimate, fits, is_given_its_specimen, lacking,
+    measured_reach, outline, set_by_accuracy, sure_reach, within_reach,
 };
 use crate::error::{Error, Result};
 use crate::machine::{Pace, free_disk, free_memory};
@@ -64,7 +64,7 @@ pub fn in_json(scene: &Scene, model: &Model, estimate: &Estimate) -> Value {
             "level": level.word,
             "promise": level.promise,
             "sets": set_by_accuracy(scene),
-            "set_despite": set_despite_accuracy(scene),
+            "overruled": accuracy_overruled(scene),
         })),
     })
 }

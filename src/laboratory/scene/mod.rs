@@ -44,7 +44,7 @@ mod validate;
 pub(crate) mod view;
 mod write;
 
-pub use accuracy::{Level, Platens, Promise, set_by_accuracy, set_despite_accuracy};
+pub use accuracy::{Level, Overruled, Platens, Promise, accuracy_overruled, set_by_accuracy};
 pub use calibrate::{Calibrated, Prior};
 pub use check::{Checked, check, in_json};
 pub use continuum::{ContinuumMaterial, continuum};
