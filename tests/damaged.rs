@@ -113,6 +113,7 @@ const KINDS: &[Kind] = &[
             "loading.axial_strain=0.02",
             "specimen.isotropic_stress_kPa=2000",
             "loading.inertial_number=0.003",
+            "preparation.growth_friction=0.4",
             "preparation.porosity_tolerance=0.05",
             "specimen.porosity=0.42",
         ],

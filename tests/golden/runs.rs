@@ -12,7 +12,7 @@ macro_rules! coke {
 /// A small oedometer of coke without scaled inertia.
 macro_rules! in_time {
     ($($more:literal),*) => {
-        coke!("specimen.porosity=0.46", "preparation.growth_friction=auto", "loading.max_stress_kPa=700", "loading.rate=0.1", "records.at_kPa=[500.0]", "stepping.inertia_scaling=false", $($more),*)
+        coke!("specimen.porosity=0.46", "loading.max_stress_kPa=700", "loading.rate=0.1", "records.at_kPa=[500.0]", "stepping.inertia_scaling=false", $($more),*)
     };
 }
 
@@ -27,7 +27,7 @@ macro_rules! runs {
 
 runs! { "cpu":
     oedometer_hertz: "experiments/petroleum_coke/h-c-2.toml", coke!();
-    oedometer_hertz_area: "experiments/petroleum_coke/h-v-2.toml", coke!("loading.max_stress_kPa=2500");
+    oedometer_hertz_area: "experiments/petroleum_coke/h-v-2.toml", coke!("preparation.growth_friction=0.0", "loading.max_stress_kPa=2500");
     oedometer_linear: "experiments/petroleum_coke/l-c-2.toml", coke!("specimen.porosity=0.46");
     oedometer_linear_inherited: "experiments/petroleum_coke/l-c-2.toml", coke!("specimen.porosity=0.47", "contact.law=linear_inherited");
     oedometer_hertz_viscous: "experiments/petroleum_coke/h-c-2.toml", in_time!("contact.law=hertz_viscous", "loading.max_stress_kPa=300", "records.at_kPa=[200.0]");
@@ -38,7 +38,7 @@ runs! { "cpu":
     oedometer_mean_stress_and_weibull: "experiments/criteria/oedometer.toml",
         &["specimen.grains=100", "specimen.diameter_mm=80", "specimen.porosity=0.45", "crushing.criterion=mohr_coulomb", "loading.max_stress_kPa=6000", "records.at_kPa=[]"];
     oedometer_growing_daughters: "experiments/petroleum_coke/h-c-2.toml",
-        coke!("specimen.porosity=0.46", "preparation.growth_friction=auto", "crushing.birth=gradual", "crushing.lost_mass=grow", "contact.unloading=rescale",
+        coke!("specimen.porosity=0.46", "crushing.birth=gradual", "crushing.lost_mass=grow", "contact.unloading=rescale",
             "loading.control=strain", "loading.stages_kPa=[500.0, 1600.0]");
     oedometer_fines_as_points: "tests/golden/sand_oedometer.toml", &["loading.max_stress_kPa=3500", "loading.stages_kPa=[1800.0]"];
     triaxial: "experiments/fontainebleau/triaxial-h.toml",

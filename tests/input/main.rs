@@ -301,7 +301,8 @@ fn a_run_that_fails_while_it_is_prepared_does_not_take_its_folder() {
     let folder = tempfile::tempdir().expect("a folder");
     let out = folder.path().join("run");
     let path = out.display().to_string();
-    let base = ["run", COKE, "--quiet", "--out", &path, "--set", "specimen.grains=150", "--set", "specimen.diameter_mm=100"];
+    let sets = ["--set", "specimen.grains=150", "--set", "specimen.diameter_mm=100", "--set", "specimen.porosity=0.45"];
+    let base = [&["run", COKE, "--quiet", "--out", &path][..], &sets].concat();
     let never = [&base[..], &["--set", "preparation.growth_steps=40", "--set", "preparation.max_steps=60"]].concat();
     let names = || {
         let mut names: Vec<String> =
