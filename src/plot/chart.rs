@@ -6,7 +6,7 @@ use super::data::Measured;
 use super::error::Result;
 use super::group;
 use super::plot::{Mark, Plot, Series};
-use super::run::Run;
+use super::run::{Run, folders_apart};
 use super::{Input, plots};
 use std::path::PathBuf;
 
@@ -104,9 +104,10 @@ pub fn palette(dirs: &[PathBuf]) -> Result<Palette> {
     let runs = dirs.iter().map(|dir| Run::read(dir)).collect::<Result<Vec<Run>>>()?;
     let mut names: Vec<String> = runs.iter().map(Run::label).collect();
     let twins = |name: &String| names.iter().filter(|other| *other == name).count() > 1;
-    let twin: Vec<bool> = names.iter().map(twins).collect();
-    for ((name, dir), _) in names.iter_mut().zip(dirs).zip(twin).filter(|(_, twin)| *twin) {
-        *name += &format!(" [{}]", super::run::folder_name(dir));
+    let twin: Vec<usize> = (0..names.len()).filter(|&i| twins(&names[i])).collect();
+    let folders = folders_apart(&twin.iter().map(|&i| dirs[i].clone()).collect::<Vec<_>>());
+    for (i, folder) in twin.into_iter().zip(folders) {
+        names[i] += &format!(" [{folder}]");
     }
     const TONES: usize = 24;
     Ok(Palette {

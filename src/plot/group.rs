@@ -4,7 +4,8 @@ use super::canvas::Point;
 use super::colour::Colour;
 use super::error::Result;
 use super::plot::{Mark, Series};
-use super::run::{Branch, Run, Seed};
+use super::run::{Branch, Run, Seed, folders_apart};
+use std::path::PathBuf;
 
 /// Number of abscissae at which a band is computed.
 const GRID: usize = 90;
@@ -27,7 +28,7 @@ pub struct Band {
     pub high: Vec<f64>,
 }
 
-/// Groups runs in the order given: runs of one scene and scale with different seeds are one group.
+/// Groups runs in the order given: runs of one scene and scale in one folder, with different seeds, are one group.
 pub fn group(runs: Vec<Run>) -> Vec<Group> {
     let mut groups: Vec<Group> = Vec::new();
     for run in runs {
@@ -36,6 +37,7 @@ pub fn group(runs: Vec<Run>) -> Vec<Group> {
             run.seed.is_some()
                 && first.name == run.name
                 && first.scale == run.scale
+                && first.dir.parent() == run.dir.parent()
                 && g.runs.iter().all(|r| r.seed.is_some() && r.seed != run.seed)
         };
         match groups.iter_mut().find(fits) {
@@ -55,15 +57,20 @@ pub fn group(runs: Vec<Run>) -> Vec<Group> {
     groups
 }
 
-/// Adds the folder to the labels of groups that would have the same label.
+/// Adds the folder to the labels of groups of one name and scale: that of the run, or the one in which all its runs are.
 fn tell_apart(groups: &mut [Group]) {
-    let labels: Vec<String> = groups.iter().map(|g| g.label.clone()).collect();
-    for g in groups {
-        if labels.iter().filter(|l| **l == g.label).count() > 1 {
-            let folder = g.runs[0].dir.file_name();
-            let folder = folder.map_or_else(String::new, |f| f.to_string_lossy().into_owned());
-            g.label += &format!(" [{folder}]");
-        }
+    let scene = |g: &Group| (g.runs[0].name.clone(), g.runs[0].scale);
+    let scenes: Vec<_> = groups.iter().map(scene).collect();
+    let of = |g: &&mut Group| scenes.iter().filter(|other| **other == scene(g)).count() > 1;
+    let twins: Vec<&mut Group> = groups.iter_mut().filter(of).collect();
+    let folder = |g: &&mut Group| match (&g.runs[..], g.runs[0].dir.parent()) {
+        ([_, _, ..], Some(all)) => all.to_path_buf(),
+        ([run, ..], _) => run.dir.clone(),
+        ([], _) => PathBuf::new(),
+    };
+    let folders = folders_apart(&twins.iter().map(folder).collect::<Vec<_>>());
+    for (g, folder) in twins.into_iter().zip(folders) {
+        g.label += &format!(" [{folder}]");
     }
 }
 
@@ -196,7 +203,6 @@ pub fn interpolate(points: &[Point], x: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::path::PathBuf;
 
     fn run(name: &str, seed: Option<u64>) -> Run {
         Run {
@@ -238,6 +244,16 @@ mod tests {
         let labels = labels(runs);
         assert_eq!(labels.len(), 3);
         assert_eq!(labels[0], "a, seed 1 [a-Some(1)]");
+    }
+
+    #[test]
+    fn runs_of_two_folders_are_two_groups_with_the_folders_names() {
+        let at = |folder: &str, seed: u64| Run { dir: format!("runs/{folder}/seed-{seed}").into(), ..run("a", Some(seed)) };
+        let runs = vec![at("loose", 1), at("loose", 2), at("dense", 1), at("dense", 2)];
+        assert_eq!(labels(runs), ["a, seeds 1–2 [loose]", "a, seeds 1–2 [dense]"]);
+        let runs = vec![at("loose", 1), at("loose", 2), at("dense", 2), at("dense", 3)];
+        assert_eq!(labels(runs), ["a, seeds 1–2 [loose]", "a, seeds 2–3 [dense]"]);
+        assert_eq!(labels(vec![at("loose", 1), at("dense", 1)]), ["a, seed 1 [loose/seed-1]", "a, seed 1 [dense/seed-1]"]);
     }
 
     #[test]

@@ -61,6 +61,21 @@ pub fn folder_name(dir: &Path) -> String {
     full.file_name().map_or_else(|| "run".into(), |n| n.to_string_lossy().into_owned())
 }
 
+/// The shortest ends of the paths of these folders that tell them apart, as `a`, or `x/a` and `y/a`.
+pub fn folders_apart(dirs: &[PathBuf]) -> Vec<String> {
+    let parts = |dir: &PathBuf| -> Vec<String> {
+        let full = dir.canonicalize().unwrap_or_else(|_| dir.clone());
+        full.iter().map(|part| part.to_string_lossy().into_owned()).collect()
+    };
+    let all: Vec<Vec<String>> = dirs.iter().map(parts).collect();
+    let end = |parts: &[String], n: usize| parts[parts.len().saturating_sub(n)..].join("/");
+    let own = |parts: &Vec<String>| {
+        let alone = |n: &usize| all.iter().filter(|other| *other != parts).all(|other| end(other, *n) != end(parts, *n));
+        (1..=parts.len()).find(alone).map_or_else(|| end(parts, 1), |n| end(parts, n))
+    };
+    all.iter().map(own).collect()
+}
+
 impl Run {
     /// Reads `summary.json`, `history.csv` and the resolved scene of a run folder, each if it is
     /// there.

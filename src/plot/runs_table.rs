@@ -2,7 +2,7 @@
 //! runs.
 
 use super::error::{FigureError, Result};
-use super::run::{folder_name, read_summary};
+use super::run::{folders_apart, read_summary};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 
@@ -45,15 +45,15 @@ const COLUMNS: [(&str, &str); 35] = [
     ("wall_seconds", "/wall_seconds"),
 ];
 
-/// Writes `runs.csv` with a row for each run that has a summary, named by the run's folder, and
+/// Writes `runs.csv` with a row for each run that has a summary, named by the run's folder (and as much of its path as tells it from the others), and
 /// with the columns that at least one run fills. Returns the path, or `None` if no run has a
 /// summary.
 pub fn write(dirs: &[PathBuf], out: &Path) -> Result<Option<PathBuf>> {
     let mut rows = Vec::new();
-    for dir in dirs {
+    for (dir, name) in dirs.iter().zip(folders_apart(dirs)) {
         let summary = read_summary(&dir.join("summary.json"))?;
         if summary.is_object() {
-            rows.push((folder_name(dir), COLUMNS.map(|(_, at)| text(summary.pointer(at)))));
+            rows.push((name, COLUMNS.map(|(_, at)| text(summary.pointer(at)))));
         }
     }
     if rows.is_empty() {
