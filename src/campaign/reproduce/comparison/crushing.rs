@@ -122,11 +122,8 @@ fn times(plan: &Plan, done: &[Done]) -> String {
     let first: f64 = published.iter().filter_map(|d| d.seeds.first()?.number("wall_seconds")).sum::<f64>() / 60.0;
     let all: f64 = done.iter().map(Done::minutes).sum();
     let runs: usize = done.iter().map(|d| d.seeds.len()).sum();
-    let mut out = format!(
-        "- The first seeds of {} of the {of} published runs took {} min, one after the other",
-        published.len(),
-        significant(first, 3)
-    );
+    let mut out =
+        format!("- The first seeds of {} of the {of} published runs took {} min, added up", published.len(), significant(first, 3));
     if let Some(minutes) = plan.published_minutes {
         let _ = write!(out, "; the paper's took {} min", count(minutes));
     }
