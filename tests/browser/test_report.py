@@ -186,7 +186,7 @@ def test_the_log_is_sorted_by_its_heads(browser: webdriver.Chrome, page: Path, r
 
 
 def test_runs_and_their_band_are_switched_on_and_off(browser: webdriver.Chrome, run: Path, tmp_path: Path) -> None:
-    other = tmp_path / "other"
+    other = run.with_name("other")  # seeds of one scene in one folder are drawn as a band
     shutil.copytree(run, other)
     summary = json.loads((other / "summary.json").read_text())
     summary["seed"] = {"packing": 99, "strength": 99}
