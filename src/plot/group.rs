@@ -4,7 +4,7 @@ use super::canvas::Point;
 use super::colour::Colour;
 use super::error::Result;
 use super::plot::{Mark, Series};
-use super::run::{Branch, Run, Seed, folders_apart};
+use super::run::{Branch, Run, Seed, folders_apart, whole_path};
 use std::path::PathBuf;
 
 /// Number of abscissae at which a band is computed.
@@ -37,7 +37,7 @@ pub fn group(runs: Vec<Run>) -> Vec<Group> {
             run.seed.is_some()
                 && first.name == run.name
                 && first.scale == run.scale
-                && first.dir.parent() == run.dir.parent()
+                && folder_of(first) == folder_of(&run)
                 && g.runs.iter().all(|r| r.seed.is_some() && r.seed != run.seed)
         };
         match groups.iter_mut().find(fits) {
@@ -57,17 +57,20 @@ pub fn group(runs: Vec<Run>) -> Vec<Group> {
     groups
 }
 
+/// The folder in which the run's own folder is.
+fn folder_of(run: &Run) -> PathBuf {
+    let mut path = whole_path(&run.dir);
+    path.pop();
+    path
+}
+
 /// Adds the folder to the labels of groups of one name and scale: that of the run, or the one in which all its runs are.
 fn tell_apart(groups: &mut [Group]) {
     let scene = |g: &Group| (g.runs[0].name.clone(), g.runs[0].scale);
     let scenes: Vec<_> = groups.iter().map(scene).collect();
     let of = |g: &&mut Group| scenes.iter().filter(|other| **other == scene(g)).count() > 1;
     let twins: Vec<&mut Group> = groups.iter_mut().filter(of).collect();
-    let folder = |g: &&mut Group| match (&g.runs[..], g.runs[0].dir.parent()) {
-        ([_, _, ..], Some(all)) => all.to_path_buf(),
-        ([run, ..], _) => run.dir.clone(),
-        ([], _) => PathBuf::new(),
-    };
+    let folder = |g: &&mut Group| if let [run] = &g.runs[..] { run.dir.clone() } else { folder_of(&g.runs[0]) };
     let folders = folders_apart(&twins.iter().map(folder).collect::<Vec<_>>());
     for (g, folder) in twins.into_iter().zip(folders) {
         g.label += &format!(" [{folder}]");

@@ -55,18 +55,19 @@ pub struct Run {
 /// Value of [`Run::least_void_ratio`] for runs whose summary does not hold one.
 const LEAST_VOID_RATIO: f64 = 0.15;
 
-/// Name of a run's folder; a path such as `.` is resolved first.
-pub fn folder_name(dir: &Path) -> String {
-    let full = dir.canonicalize().unwrap_or_else(|_| dir.to_path_buf());
-    full.file_name().map_or_else(|| "run".into(), |n| n.to_string_lossy().into_owned())
+/// The whole path of a folder, whatever way it is given, as in `.` or `../a`.
+pub fn whole_path(dir: &Path) -> PathBuf {
+    dir.canonicalize().unwrap_or_else(|_| dir.to_path_buf())
+}
+
+/// Name of a run's folder.
+fn folder_name(dir: &Path) -> String {
+    whole_path(dir).file_name().map_or_else(|| "run".into(), |n| n.to_string_lossy().into_owned())
 }
 
 /// The shortest ends of the paths of these folders that tell them apart, as `a`, or `x/a` and `y/a`.
 pub fn folders_apart(dirs: &[PathBuf]) -> Vec<String> {
-    let parts = |dir: &PathBuf| -> Vec<String> {
-        let full = dir.canonicalize().unwrap_or_else(|_| dir.clone());
-        full.iter().map(|part| part.to_string_lossy().into_owned()).collect()
-    };
+    let parts = |dir: &PathBuf| -> Vec<String> { whole_path(dir).iter().map(|part| part.to_string_lossy().into_owned()).collect() };
     let all: Vec<Vec<String>> = dirs.iter().map(parts).collect();
     let end = |parts: &[String], n: usize| parts[parts.len().saturating_sub(n)..].join("/");
     let own = |parts: &Vec<String>| {
