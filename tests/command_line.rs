@@ -48,16 +48,19 @@ fn what_is_expected_follows_the_machine_and_stands_in_the_summary() {
         let json: serde_json::Value = serde_json::from_slice(&output.stdout).expect("json");
         json["estimate"]["pace"].clone()
     };
+    let summary = || -> serde_json::Value {
+        let out = folder.path().join("run");
+        call(&["run", "experiments/free/hertz_impact.toml", "--quiet", "--force", "--out", &out.display().to_string()]);
+        serde_json::from_str(&fs::read_to_string(out.join("summary.json")).expect("summary")).expect("json")
+    };
     assert!(pace(&[]).is_null(), "nobody asked for it");
+    assert!(summary()["predicted_seconds"].is_null(), "no time that another machine would take");
     let measured = pace(&["--measure"]);
     assert!(["grain_step_s", "point_step_s"].iter().all(|key| measured[key].as_f64().is_some_and(|t| t > 0.0)), "{measured}");
     assert_eq!(pace(&[]), measured);
     let told = String::from_utf8(call(&["check", COKE]).stderr).expect("text");
     assert!(told.contains("on one thread of this machine"), "{told}");
-    let out = folder.path().join("run");
-    call(&["run", "experiments/free/hertz_impact.toml", "--quiet", "--out", &out.display().to_string()]);
-    let summary: serde_json::Value =
-        serde_json::from_str(&fs::read_to_string(out.join("summary.json")).expect("summary")).expect("json");
+    let summary = summary();
     // the step in which the time is over counts in the run
     let [expected, made] = ["predicted_steps", "steps"].map(|key| summary[key].as_f64().expect(key));
     assert!((expected - made).abs() <= 1.0, "{expected} {made}");

@@ -39,7 +39,7 @@ use engine::breakage::{Birth, CrushModel};
 use engine::contact::{ContactLaw, ContactModel, TangentialUnloading};
 use engine::dem::physics::Physics;
 use engine::dem::physics::Stepping;
-use engine::dem::{State, Workspace, reorder};
+use engine::dem::{State, Workspace};
 use engine::material::Material;
 use laboratory::error::{Error, Result};
 use laboratory::gradation::mean_cubed_diameter;
@@ -298,7 +298,6 @@ pub fn start(model: &Model, packing: &Packing, energy: bool) -> (State, Workspac
     }
     around[TOP].speed = PLATEN_SPEED;
     let mut state = State::new(&model.physics, packing.grains.clone(), around, energy);
-    let mut work = Workspace::new(&model.physics, &mut state);
-    reorder(&mut state, &mut work);
+    let work = Workspace::sorted(&model.physics, &mut state);
     (state, work)
 }

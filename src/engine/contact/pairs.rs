@@ -83,6 +83,13 @@ impl<T: Copy + Default> Column<T> {
         }
     }
 
+    /// Drops the value of a slot; that of the last slot takes its place.
+    fn close_gap(&mut self, slot: usize) {
+        if self.kept {
+            self.values.swap_remove(slot);
+        }
+    }
+
     fn reserve(&mut self, more: usize) {
         if self.kept {
             self.values.reserve_exact(more);
@@ -248,6 +255,25 @@ impl Pairs {
         self.free.push(slot);
     }
 
+    /// Leaves no slot free: pairs of the last slots move into the free ones. Calls `moved` with the new slot and the ends of each pair that moves.
+    pub fn close_gaps(&mut self, mut moved: impl FnMut(u32, [u32; 2])) {
+        self.free.sort_unstable();
+        // from the last one down, so that whatever moves is a pair
+        while let Some(slot) = self.free.pop() {
+            let s = slot as usize;
+            self.ends.swap_remove(s);
+            self.touch.swap_remove(s);
+            self.work.close_gap(s);
+            self.rolling.close_gap(s);
+            self.spring.close_gap(s);
+            self.load.close_gap(s);
+            self.largest.close_gap(s);
+            if let Some(&ends) = self.ends.get(s) {
+                moved(slot, ends);
+            }
+        }
+    }
+
     /// Checks slots, ends and values. The first ends are grains with the identities `ids`; the second ends are below `second`, and grains as well where `grains`
     /// is true. `kept`: the columns of the run.
     ///
@@ -321,5 +347,30 @@ impl Pairs {
             + self.load.bytes()
             + self.largest.bytes()
             + self.free.capacity() * 4
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pairs_of_the_last_slots_fill_the_free_ones() {
+        let mut pairs = Pairs::new(Kept { load: true, ..Kept::default() });
+        for k in 0..6 {
+            pairs.add(k, k + 1);
+            (pairs.touch[k as usize].overlap, pairs.load[k as usize]) = (f64::from(k), f64::from(10 * k));
+        }
+        for slot in [1, 5, 3] {
+            pairs.remove(slot);
+        }
+        let mut moved = Vec::new();
+        pairs.close_gaps(|slot, ends| moved.push((slot, ends)));
+        assert_eq!(moved, [(3, [4, 5]), (1, [4, 5])]);
+        assert_eq!(pairs.ends, [[0, 1], [4, 5], [2, 3]]);
+        assert_eq!(pairs.touch.iter().map(|t| t.overlap).collect::<Vec<_>>(), [0.0, 4.0, 2.0]);
+        assert_eq!((pairs.load.to_vec(), pairs.work.len()), (vec![0.0, 40.0, 20.0], 0));
+        assert_eq!(pairs.check(&[0, 1, 2, 3, 4, 5], 6, true, pairs.kept()), Ok(()));
+        assert_eq!(pairs.add(0, 2), 3, "a new slot, as none is free");
     }
 }

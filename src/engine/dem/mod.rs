@@ -143,6 +143,13 @@ impl Workspace {
         }
     }
 
+    /// [`Workspace::new`] after the grains, and contacts with them, were sorted in memory by their place.
+    pub fn sorted(physics: &Physics, state: &mut State) -> Workspace {
+        let mut work = Workspace::new(physics, state);
+        reorder(state, &mut work);
+        work
+    }
+
     /// Makes lists and buffers anew for a state that was changed from outside; keeps the settings of tests and benches.
     pub fn restart(&mut self, physics: &Physics, state: &mut State) {
         let Workspace { rebuild_always, task, arch, clock, .. } = *self;
@@ -303,8 +310,8 @@ pub fn compute_forces(physics: &Physics, state: &mut State, work: &mut Workspace
     tidy(state, work);
     if watch.0.is_some() {
         // before the forces and not in parallel with them, to be timed
-        let State { grains, walls, wall_pairs, .. } = state;
-        search(&mut work.neighbours, &mut work.moved, work.rebuild_always, grains, walls, wall_pairs);
+        let State { dt, grains, walls, wall_pairs, .. } = state;
+        search(&mut work.neighbours, &mut work.moved, work.rebuild_always, *dt, grains, walls, wall_pairs);
     }
     watch.lap(&mut work.clock, 0);
     contacts(physics, state, work);
@@ -382,20 +389,29 @@ fn small(state: &State, work: &Workspace) -> bool {
     chunk::few(state.pairs.slots(), work.task)
 }
 
-/// Sorts grains in memory when many were born or many searches were needed since the last time.
+/// Leaves no gaps between contacts in memory, and sorts grains there when many were born or many searches were needed since the last time.
 fn tidy(state: &mut State, work: &mut Workspace) {
+    work.neighbours.close_gaps(&state.grains, &mut state.pairs);
     if work.births_since_reorder * 16 > state.grains.len() || work.neighbours.searches > 2 * state.grains.len() as u64 {
         reorder(state, work);
     }
 }
 
-/// Renews the lists around the grains `moved` (or around all grains), and empties that list.
-fn search(lists: &mut Neighbours, moved: &mut Vec<u32>, all: bool, grains: &Grains, walls: &[Wall], wall_pairs: &mut Pairs) {
+/// Renews the lists around the grains `moved` (or around all grains), and empties that list. `dt`: time step, s.
+fn search(
+    lists: &mut Neighbours,
+    moved: &mut Vec<u32>,
+    all: bool,
+    dt: f64,
+    grains: &Grains,
+    walls: &[Wall],
+    wall_pairs: &mut Pairs,
+) {
     if all {
         moved.clear();
         moved.extend(0..grains.len() as u32);
     }
-    lists.update(moved, grains, walls, wall_pairs);
+    lists.update(moved, dt, grains, walls, wall_pairs);
     moved.clear();
 }
 
@@ -420,7 +436,7 @@ pub fn contacts(physics: &Physics, state: &mut State, work: &mut Workspace) {
     let rolling = physics.contact.rolling;
     let mut sweep = || (laws.sweep_grains)(rolling, table, &rules, grains, pairs, Slots::All);
     let mut lists = || {
-        search(neighbours, moved, *rebuild_always, grains, walls, wall_pairs);
+        search(neighbours, moved, *rebuild_always, rules.dt, grains, walls, wall_pairs);
         neighbours.activate_contacts(&grains.pos, 4 * task);
         (laws.sweep_walls)(table, &rules, grains, walls, wall_pairs);
     };
@@ -501,8 +517,8 @@ fn crush(physics: &Physics, state: &mut State, work: &mut Workspace) {
         return;
     }
     // lists have to be valid before daughters look for neighbours
-    let State { grains, walls, wall_pairs, .. } = state;
-    search(&mut work.neighbours, &mut work.moved, false, grains, walls, wall_pairs);
+    let State { dt, grains, walls, wall_pairs, .. } = state;
+    search(&mut work.neighbours, &mut work.moved, false, *dt, grains, walls, wall_pairs);
     work.failing.sort_unstable_by_key(|&i| state.grains.id[i as usize]);
     let before = state.grains.len();
     state.births = true;
@@ -668,6 +684,25 @@ mod tests {
             let told = state.check(&physics, &made).expect_err(expected);
             assert!(told.contains(expected), "{told} instead of {expected}");
         }
+    }
+
+    /// Grains that were in any order are in that of their places, and move as they would have.
+    #[test]
+    fn sorting_changes_the_order_in_memory_only() {
+        let (physics, state) = moved();
+        let advance = |mut state: State, start: fn(&Physics, &mut State) -> Workspace| {
+            let mut work = start(&physics, &mut state);
+            for _ in 0..10 {
+                step(&physics, &mut state, &mut work, |_, _| Ok::<(), std::convert::Infallible>(())).expect("a step");
+            }
+            state.grains
+        };
+        let mut any = state.clone();
+        let mut work = Workspace::new(&physics, &mut any);
+        permute(&mut any, &mut work, &[1, 0]);
+        let (sorted, any) = (advance(any.clone(), Workspace::sorted), advance(any, Workspace::new));
+        assert_eq!((&sorted.id, &any.id), (&vec![0, 1], &vec![1, 0]));
+        assert!((0..2).all(|i| sorted.pos[i] == any.pos[1 - i] && sorted.vel[i] == any.vel[1 - i]));
     }
 
     #[test]

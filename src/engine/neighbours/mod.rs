@@ -2,8 +2,8 @@
 //!
 //! Each grain has a *reference sphere*: the centre that it had when its neighbourhood was last searched, and its reach (radius + skin) at that time.
 //! A pair is listed exactly while the two grains touch or their reference spheres overlap. So no contact can be missed before a grain has
-//! moved by more than its skin; then the neighbourhood of that grain alone is searched again. Skins are in proportion to radii: a small fast fragment
-//! costs its own searches only, a breakage those of the daughters.
+//! moved by more than its skin; then the neighbourhood of that grain alone is searched again. Skins are in proportion to radii, those of fast grains wider:
+//! a small fast fragment costs its own searches only, a breakage those of the daughters.
 //!
 //! Pairs that touch have a slot among the contacts, with forces and history; listed pairs that do not touch are kept apart (`near.rs`). A pair
 //! changes from one to the other when the grains begin or cease to touch. Pairs that do not touch never influence a result.
@@ -18,15 +18,23 @@ use crate::boundary::WallShape;
 use crate::contact::pairs::{FREE, Pairs};
 use crate::grains::Grains;
 use crate::math::real::{Four, Plain};
+use crate::math::vector::dot;
 use adjacency::Adjacency;
 pub(crate) use adjacency::Entry;
 use grid::CellGrid;
 use near::Near;
 
+/// Steps for which the skin of a fast grain should last.
+const LASTS: f64 = 64.0;
+/// Widest skin, over that of a grain at rest.
+const WIDEST: f64 = 4.0;
+
 /// The lists of all grains. They can be dropped and made again from the state between any two steps without changing a bit of the results.
 pub struct Neighbours {
-    /// Skin of a grain over its radius.
+    /// Skin of a grain at rest over its radius.
     skin: f64,
+    /// Time step of the last search, s.
+    dt: f64,
     /// Reference sphere of each grain.
     reference: Vec<Reference>,
     /// Reference spheres by cells.
@@ -70,6 +78,7 @@ impl Neighbours {
         let mean_radius = g.pos.iter().map(|p| p[3]).sum::<f64>() / g.len().max(1) as f64;
         let mut n = Neighbours {
             skin,
+            dt: 0.0,
             grid: CellGrid::new(&reference),
             reference,
             near: Near::default(),
@@ -118,8 +127,9 @@ impl Neighbours {
 
     /// Searches the neighbourhoods of the grains `moved`, and of walls that have moved by more than their skin. All new reference spheres are set before
     /// the first search, so that the result does not depend on the order. Stored contacts between grains are neither read nor changed: this may run in
-    /// parallel with the computation of their forces.
-    pub fn update(&mut self, moved: &[u32], g: &Grains, walls: &[Wall], wall_pairs: &mut Pairs) {
+    /// parallel with the computation of their forces. `dt`: present time step, s.
+    pub fn update(&mut self, moved: &[u32], dt: f64, g: &Grains, walls: &[Wall], wall_pairs: &mut Pairs) {
+        self.dt = dt;
         for &i in moved {
             self.set_reference(i as usize, g);
         }
@@ -142,13 +152,16 @@ impl Neighbours {
         self.search(i, g, wall_pairs);
     }
 
-    /// Sets the reference sphere of grain `i` to its present place.
+    /// Sets the reference sphere of grain `i` to its present place, with a skin that lasts for some steps at its present speed.
     fn set_reference(&mut self, i: usize, g: &Grains) {
-        self.reference[i] = Self::reference(&g.pos[i], self.skin);
+        let [x, y, z, _] = g.vel[i];
+        let way = LASTS * self.dt * dot([x, y, z], [x, y, z]).sqrt() / g.radius(i);
+        // a speed that is not a number, which the run's watchdog will report, makes the widest skin
+        self.reference[i] = Self::reference(&g.pos[i], way.min(WIDEST * self.skin).max(self.skin));
         self.grid.place(i, &self.reference);
     }
 
-    /// Reference sphere of a grain with centre and radius `p`, m.
+    /// Reference sphere of a grain with centre and radius `p`, m, and a skin of `skin` radii.
     fn reference(p: &[f64; 4], skin: f64) -> Reference {
         let centre = [p[0] as f32, p[1] as f32, p[2] as f32];
         let rounding = (0..3).map(|a| (p[a] - f64::from(centre[a])).abs()).sum::<f64>();
@@ -282,6 +295,17 @@ impl Neighbours {
         self.gone = gone;
     }
 
+    /// Moves contacts into the free places of their storage, so that a sweep finds as many side by side as it computes at once.
+    pub fn close_gaps(&mut self, g: &Grains, pairs: &mut Pairs) {
+        pairs.close_gaps(|slot, [a, b]| {
+            for (k, other, second) in [(a as usize, b as usize, false), (b as usize, a as usize, true)] {
+                let e = Entry::grain(g.id[other], slot, second);
+                self.around.relink(k, e);
+                self.contacts.relink(k, e);
+            }
+        });
+    }
+
     /// Whether two reference spheres overlap.
     #[inline]
     fn references_overlap(a: &Reference, b: &Reference) -> bool {
@@ -394,4 +418,57 @@ pub fn flagged(flags: &[u8], mut each: impl FnMut(u32, u8)) {
 #[inline]
 fn other_end([a, b]: [u32; 2], i: usize) -> usize {
     if a as usize == i { b as usize } else { a as usize }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::contact::pairs::Kept;
+
+    /// Grains of these radii, m, in a row, each at its distance, m, from the origin.
+    fn row(grains: &[(f64, f64)]) -> Grains {
+        Grains {
+            pos: grains.iter().map(|&(x, r)| [x, 0.0, 0.0, r]).collect(),
+            vel: vec![[0.0, 0.0, 0.0, 1.0]; grains.len()],
+            id: (0..grains.len() as u32).collect(),
+            ..Grains::default()
+        }
+    }
+
+    /// At rest a skin of a fifth of the radius would ask for a search in every fourth step.
+    #[test]
+    fn the_skin_of_a_fast_grain_lasts_longer() {
+        let mut g = row(&[(0.0, 1.0), (100.0, 1.0)]);
+        g.vel[0][0] = 0.05;
+        let (mut pairs, mut wall_pairs) = (Pairs::new(Kept::default()), Pairs::new(Kept::default()));
+        let mut lists = Neighbours::new(&g, &[], &mut Pools { pairs: &mut pairs, wall_pairs: &mut wall_pairs }, 0.2);
+        for _ in 0..320 {
+            g.pos[0][0] += 0.05;
+            if lists.outgrown(0, &g) {
+                lists.update(&[0], 1.0, &g, &[], &mut wall_pairs);
+            }
+        }
+        assert!((18..=22).contains(&lists.searches), "{} searches", lists.searches);
+        assert!(!lists.outgrown(1, &g));
+    }
+
+    /// The lists of both grains follow a contact that moves in memory.
+    #[test]
+    fn gaps_between_contacts_are_closed() {
+        let g = row(&[(0.0, 0.6), (1.0, 0.6), (2.0, 0.6), (3.0, 0.6), (4.0, 0.6)]);
+        let (mut pairs, mut wall_pairs) = (Pairs::new(Kept::default()), Pairs::new(Kept::default()));
+        let mut lists = Neighbours::new(&g, &[], &mut Pools { pairs: &mut pairs, wall_pairs: &mut wall_pairs }, 0.2);
+        lists.activate_contacts(&g.pos, 1000);
+        lists.begin_contacts(&g, &mut pairs, &mut Vec::new());
+        let of = |lists: &Neighbours, pairs: &Pairs, i| lists.touching(i, pairs).map(|(_, j)| j).collect::<Vec<_>>();
+        assert_eq!((pairs.slots(), of(&lists, &pairs, 3)), (4, vec![2, 4]));
+        // the first grain flies away with its contact, and the last one
+        lists.detach(0, &g, &mut Pools { pairs: &mut pairs, wall_pairs: &mut wall_pairs });
+        lists.detach(4, &g, &mut Pools { pairs: &mut pairs, wall_pairs: &mut wall_pairs });
+        assert_eq!(pairs.slots(), 4);
+        lists.close_gaps(&g, &mut pairs);
+        assert_eq!(pairs.slots(), 2);
+        let all: Vec<_> = (0..5).map(|i| of(&lists, &pairs, i)).collect();
+        assert_eq!(all, [vec![], vec![2], vec![1, 3], vec![2], vec![]]);
+    }
 }

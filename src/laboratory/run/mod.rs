@@ -392,13 +392,6 @@ fn test(model: &Model, grains: Grains, walls: CylinderSpace) -> Result<(Activity
     Ok((Activity::Testing(test), state))
 }
 
-/// Working memory for a state. Grains that are near in space are moved near in memory.
-fn fresh_work(model: &Model, state: &mut State) -> Workspace {
-    let mut work = Workspace::new(&model.physics, state);
-    engine::dem::reorder(state, &mut work);
-    work
-}
-
 /// Steps between two checks of the kinetic energy: an instability grows beyond all numbers within some tens of steps.
 const CLOSE_LOOK: u64 = 8;
 /// Steps between two checks of the grains' positions and overlaps, two updates of the progress bar, and two looks at the clock.
@@ -426,7 +419,7 @@ impl<'a> Runner<'a> {
     fn new(model: &'a Model, out: &'a Path, mut progress: Progress, quiet: bool) -> Result<Runner<'a>> {
         let specimen = matches!(progress.activity, Activity::Testing(_));
         progress.files.open(out, model, specimen)?;
-        let work = fresh_work(model, &mut progress.state);
+        let work = Workspace::sorted(&model.physics, &mut progress.state);
         let now = Instant::now();
         Ok(Runner {
             model,
@@ -538,7 +531,7 @@ impl<'a> Runner<'a> {
         let (grains, walls) = specimen::read(&path, &self.model.physics.materials)?;
         (self.progress.activity, self.progress.state) = test(self.model, grains, walls)?;
         self.progress.files.open(self.out, self.model, true)?;
-        self.work = fresh_work(self.model, &mut self.progress.state);
+        self.work = Workspace::sorted(&self.model.physics, &mut self.progress.state);
         // a run that is killed from here on need not prepare its specimen again
         self.checkpoint()
     }

@@ -86,14 +86,15 @@ pub fn estimate(model: &Model, pace: Option<Pace>) -> Estimate {
 }
 
 /// What `check` says of the run of `model`, for its summary: steps, time on one thread of this machine without the figures, s, and memory,
-/// MB. `prepared`: the run begins with a specimen that is made already.
-pub fn predicted(model: &Model, prepared: bool) -> [(&'static str, f64); 3] {
-    let estimate = without_strength(model, Pace::known());
+/// MB; no time where nobody has measured the machine. `prepared`: the run begins with a specimen that is made already.
+pub fn predicted(model: &Model, prepared: bool) -> [(&'static str, Option<f64>); 3] {
+    let pace = Pace::known();
+    let estimate = without_strength(model, pace);
     let without = estimate.figure_seconds + if prepared { estimate.preparation_seconds } else { 0.0 };
     [
-        ("predicted_steps", estimate.steps_expected),
-        ("predicted_seconds", estimate.seconds - without),
-        ("predicted_memory_MB", estimate.memory_mb),
+        ("predicted_steps", Some(estimate.steps_expected)),
+        ("predicted_seconds", pace.map(|_| estimate.seconds - without)),
+        ("predicted_memory_MB", Some(estimate.memory_mb)),
     ]
 }
 

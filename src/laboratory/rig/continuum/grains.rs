@@ -149,7 +149,7 @@ pub struct Coupled {
 impl Coupled {
     /// Working memory for `mixture`.
     pub fn new(model: &Model, rig: &MpmTest, mixture: &mut Mixture) -> Coupled {
-        Coupled { table: point_table(model, rig, mixture), work: Workspace::new(&model.physics, &mut mixture.grains) }
+        Coupled { table: point_table(model, rig, mixture), work: Workspace::sorted(&model.physics, &mut mixture.grains) }
     }
 
     /// Contact parameters of points with grains and walls.

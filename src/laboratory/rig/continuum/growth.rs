@@ -135,7 +135,7 @@ impl Growing {
 
     /// Working memory for steps; `physics` from [`growing`].
     pub fn work(&mut self, physics: &Physics) -> Workspace {
-        Workspace::new(physics, &mut self.state)
+        Workspace::sorted(physics, &mut self.state)
     }
 
     /// Steps done.

@@ -1,6 +1,6 @@
 //! A free scene of grains, or a test on a cylindrical specimen of grains, between two steps.
 
-use super::super::{CLOSE_LOOK, LOOK, fresh_work, multiplies, watch};
+use super::super::{CLOSE_LOOK, LOOK, multiplies, watch};
 use super::{DRIVEN, GAIN, STOPPED, System, WallNow, checked};
 use crate::error::Result;
 use crate::gradation::Gradation;
@@ -57,7 +57,7 @@ impl Grains {
             }
             _ => unreachable!("tests of grains alone are let in"),
         };
-        let work = fresh_work(model, &mut state);
+        let work = Workspace::sorted(&model.physics, &mut state);
         let mut now = Grains {
             test,
             work,
@@ -257,7 +257,7 @@ fn of_specimen(wall: &Wall, size: engine::boundary::CylinderSpace) -> f64 {
 /// A specimen as the scene asks for it: its grains at rest, and the space between its walls.
 fn prepared(model: &Model, rig: &crate::model::Specimen) -> Result<(engine::grains::Grains, engine::boundary::CylinderSpace)> {
     let (mut preparation, mut state) = Preparation::start(model, rig);
-    let mut work = fresh_work(model, &mut state);
+    let mut work = Workspace::sorted(&model.physics, &mut state);
     while !preparation.advance(model, rig, &mut state, &mut work)? {
         if stop_asked() {
             return Err(STOPPED);
