@@ -140,6 +140,17 @@ pub struct Kept {
     pub largest: bool,
 }
 
+/// Calls a method of every [`Column`] of [`Pairs`].
+macro_rules! every_column {
+    ($pairs:ident.$method:ident($($argument:expr)?)) => {
+        $pairs.work.$method($($argument)?);
+        $pairs.rolling.$method($($argument)?);
+        $pairs.spring.$method($($argument)?);
+        $pairs.load.$method($($argument)?);
+        $pairs.largest.$method($($argument)?);
+    };
+}
+
 /// Pairs of grains, or of a grain and a wall; the second end is then the index of the wall. Slot s is entry s of every array.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Pairs {
@@ -219,11 +230,7 @@ impl Pairs {
         self.make_room();
         self.ends.push([first, second]);
         self.touch.push(ContactForce::default());
-        self.work.push();
-        self.rolling.push();
-        self.spring.push();
-        self.load.push();
-        self.largest.push();
+        every_column!(self.push());
         self.ends.len() as u32 - 1
     }
 
@@ -234,11 +241,7 @@ impl Pairs {
             let more = n / 8 + 64;
             self.ends.reserve_exact(more);
             self.touch.reserve_exact(more);
-            self.work.reserve(more);
-            self.rolling.reserve(more);
-            self.spring.reserve(more);
-            self.load.reserve(more);
-            self.largest.reserve(more);
+            every_column!(self.reserve(more));
         }
     }
 
@@ -247,11 +250,7 @@ impl Pairs {
         let s = slot as usize;
         self.ends[s] = [FREE, FREE];
         self.touch[s] = ContactForce::default();
-        self.work.clear(s);
-        self.rolling.clear(s);
-        self.spring.clear(s);
-        self.load.clear(s);
-        self.largest.clear(s);
+        every_column!(self.clear(s));
         self.free.push(slot);
     }
 
@@ -263,11 +262,7 @@ impl Pairs {
             let s = slot as usize;
             self.ends.swap_remove(s);
             self.touch.swap_remove(s);
-            self.work.close_gap(s);
-            self.rolling.close_gap(s);
-            self.spring.close_gap(s);
-            self.load.close_gap(s);
-            self.largest.close_gap(s);
+            every_column!(self.close_gap(s));
             if let Some(&ends) = self.ends.get(s) {
                 moved(slot, ends);
             }
@@ -329,11 +324,7 @@ impl Pairs {
     pub fn permute(&mut self, order: &[u32], renumber: impl Fn([u32; 2]) -> [u32; 2]) {
         self.ends = order.iter().map(|&s| renumber(self.ends[s as usize])).collect();
         self.touch = order.iter().map(|&s| self.touch[s as usize]).collect();
-        self.work.permute(order);
-        self.rolling.permute(order);
-        self.spring.permute(order);
-        self.load.permute(order);
-        self.largest.permute(order);
+        every_column!(self.permute(order));
         self.free.clear();
     }
 

@@ -49,7 +49,7 @@ pub struct Stepping {
     /// Whether grains and material points come into contact slowly, as in a test of a mixture: contacts then have to be stable, but need not be
     /// resolved in time as in an impact.
     pub slow: bool,
-    /// Skin of the neighbour lists over the radius of a grain.
+    /// Skin of the neighbour lists of a grain at rest, over its radius; that of a fast grain is up to four times as wide.
     pub skin: f64,
 }
 

@@ -995,7 +995,7 @@ const OWN: &[Key] = &[
         "stepping.skin",
         Number(Range::above(0.0, 2.0)),
         Is("0.2"),
-        "neighbour skin over a grain's radius; changes speed, never results",
+        "neighbour skin of a grain at rest over its radius (of a fast one up to four times that); changes speed, never results",
     ),
     compression("records.per_decade", Integer { low: 1, high: 10_000 }, Is("40"), "rows of history per decade of vertical stress"),
     compression(
