@@ -171,12 +171,15 @@ pub fn wall_kinds(settings: &Settings) -> [u32; BORDERS] {
     settings.walls.map(|side| wall(side)[0])
 }
 
+/// Kind of a wall with friction in the parameters of the shaders, where 0 is none.
+pub const RUBS: u32 = 3;
+
 fn wall(wall: GridWall) -> [u32; 4] {
     match wall {
         GridWall::Open => [0; 4],
         GridWall::Symmetry => [1, 0, 0, 0],
         GridWall::Stick => [2, 0, 0, 0],
-        GridWall::Friction { friction } => [3, (friction as f32).to_bits(), 0, 0],
+        GridWall::Friction { friction } => [RUBS, (friction as f32).to_bits(), 0, 0],
     }
 }
 

@@ -35,8 +35,8 @@ impl BufferSizes {
             starts: 4 * (cells + 1 + points),
             counts: 4 * (cells + u64::from(cell_groups(cells as u32)) + table),
             blocks: 4 * (table + slots),
-            // three words for each node on a wall, on two sides
-            touching: 24 * sides,
+            // an entry for each node on a wall, on two sides
+            touching: 32 * sides,
             // the state, the force on each point, and sums over workgroups of points
             batch: size_of::<BatchState>() as u64
                 + 16

@@ -15,7 +15,7 @@ const ARM: u32 = 9u; // distance from the point to its pressed face along each a
 const ARM_LOW: u32 = 10u; // its low part
 // then what takes one word for each point, a quarter of a plane each: identity; ghost radius, units (bits of i32)
 
-// Planes of the nodes, `cells` entries each, by their slots. Near walls SPEED and CHANGE hold momentum and mass, and impulse, until the walls have been applied.
+// Planes of the nodes, `cells` entries each, by their slots.
 const MOMENTUM: u32 = 0u; // momentum, kg m/s; mass, kg
 const SPEED: u32 = 1u; // velocity, m/s
 const CHANGE: u32 = 2u; // change of the velocity in this step, m/s; stiffness of external forces over mass, 1/s²
@@ -56,9 +56,8 @@ const NO_FAULT: u32 = 0xffffffffu;
 // number of points of each cell, then of each group of cells; while points are sorted, for each cell the next free number in the order; then the claims of the blocks
 @group(0) @binding(5) var<storage, read_write> counts: array<atomic<u32>>;
 @group(0) @binding(7) var<storage, read_write> status: Status;
-// for each node in the plane of a wall, where walls have friction, whether the wall touches the material there: bit 1 in the pass at hand, bit 2 in the last pass with forces;
-// where all walls hold, the impulse that the wall gives there, N s
-@group(0) @binding(8) var<storage, read_write> touching: array<u32>;
+// for each node in the plane of a wall: the impulse that the wall has given there in the last step, N s; 1 where it acted, else 0
+@group(0) @binding(8) var<storage, read_write> touching: array<vec4<f32>>;
 
 fn word(plane: u32, i: u32) -> vec4<u32> {
     return state[plane * params.points + i];
@@ -150,15 +149,6 @@ fn at_faces(d: vec3<i32>, o: vec3<f32>, arm: vec3<f32>, w: vec3<f32>) -> vec3<f3
     return there;
 }
 
-fn near_wall(at: vec3<i32>) -> bool {
-    for (var axis = 0u; axis < 3u; axis++) {
-        if (params.walls[2u * axis].x != 0u && at[axis] <= 2) || (params.walls[2u * axis + 1u].x != 0u && at[axis] >= params.size[axis]) {
-            return true;
-        }
-    }
-    return false;
-}
-
 // Place of a node in memory, for a slot that has a block.
 fn node_place(k: u32) -> vec3<i32> {
     return place_in(cell_place(packed_place(k / BLOCK)), k % BLOCK);
@@ -204,14 +194,11 @@ fn project(one: Thread) {
         sum = vec4<f32>(0.0);
     }
     nodes[MOMENTUM * params.cells + k] = sum;
-    if HELD_WALLS {
-        held_node(k, at, false);
+    if WALLED {
+        node_at_walls(k, at, false);
         return;
     }
-    if near_wall(at) {
-        nodes[SPEED * params.cells + k] = sum;
-        nodes[CHANGE * params.cells + k] = vec4<f32>(0.0);
-    } else if sum.w > 0.0 {
+    if sum.w > 0.0 {
         nodes[SPEED * params.cells + k] = vec4<f32>(sum.xyz / sum.w, 0.0);
     } else {
         nodes[SPEED * params.cells + k] = vec4<f32>(0.0);
@@ -240,8 +227,8 @@ fn accelerate(one: Thread) {
 
 // The force on a node and its new velocity (Li et al. 2023, eq. 28).
 fn accelerate_node(k: u32) {
-    if HELD_WALLS {
-        held_node(k, node_place(k), true);
+    if WALLED {
+        node_at_walls(k, node_place(k), true);
         return;
     }
     let momentum = nodes[MOMENTUM * params.cells + k];
@@ -251,15 +238,9 @@ fn accelerate_node(k: u32) {
         nodes[CHANGE * params.cells + k] = vec4<f32>(0.0);
         return;
     }
-    let at = node_place(k);
-    let pressed = from_tiles(at);
+    let pressed = from_tiles(node_place(k));
     let force = m * params.gravity + pressed.xyz;
     let stiffness_rate = pressed.w / m;
-    if near_wall(at) {
-        nodes[SPEED * params.cells + k] = momentum;
-        nodes[CHANGE * params.cells + k] = vec4<f32>(force * batch.dt, stiffness_rate);
-    } else {
-        // as `project` has it
-        damped_velocity(k, momentum.xyz / m, vec4<f32>(force * (batch.dt / m), stiffness_rate));
-    }
+    // as `project` has it
+    damped_velocity(k, momentum.xyz / m, vec4<f32>(force * (batch.dt / m), stiffness_rate));
 }

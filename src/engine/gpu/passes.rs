@@ -4,7 +4,7 @@ use super::bounds::BORDERS;
 use super::buffers::Buffers;
 use super::device::Device;
 use super::grains::CoarseGrains;
-use super::layout::Law32;
+use super::layout::{Law32, RUBS};
 use super::plan::{self, Dispatch};
 use super::shader::Uses;
 use super::{grains, shader};
@@ -39,7 +39,8 @@ impl Passes {
             cam_clay: laws.iter().any(|law| law.kind == 3),
             yields: laws.iter().any(|law| law.kind != 0),
             one_law: laws.len() == 1,
-            held_walls: plan::held(walls),
+            walls: walls.iter().any(|kind| *kind != 0),
+            rubbed: walls.contains(&RUBS),
             pressed: !plates.is_empty(),
             shells,
             faces: grains.is_some_and(|g| g.table.acts_on == ActsOn::Face),
@@ -83,7 +84,7 @@ impl Passes {
             };
             (name, device.create_compute_pipeline(&described))
         };
-        let pipelines = plan::passes(walls, !plates.is_empty(), grains.is_some()).into_iter().map(pipeline).collect();
+        let pipelines = plan::passes(!plates.is_empty(), grains.is_some()).into_iter().map(pipeline).collect();
         Passes { pipelines, layouts, bound: Vec::new() }
     }
 

@@ -10,14 +10,6 @@ pub struct Dispatch {
     pub groups: [u32; 2],
 }
 
-/// Kind of a wall with friction in the parameters of the shaders, where 0 is none.
-const RUBS: u32 = 3;
-
-/// Whether there are walls, and all of them hold the material: the passes over the nodes see to these.
-pub fn held(walls: &[u32; BORDERS]) -> bool {
-    walls.iter().any(|kind| *kind != 0) && !walls.contains(&RUBS)
-}
-
 /// Numbers of what the passes go through.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Extent {
@@ -66,7 +58,7 @@ impl Extent {
     /// What must be computed before the first step: order of the points, velocities of the nodes, forces on loading plates and grains.
     pub fn prepare(&self) -> Vec<Dispatch> {
         let mut all = self.order();
-        all.extend(self.of_nodes("project", "walls_project", 0));
+        all.extend([self.of_nodes("project", 0)]);
         if self.plates > 0 {
             all.extend([threads("plate_forces", self.points), alone("plate_loads")]);
         }
@@ -93,10 +85,10 @@ impl Extent {
             }
         }
         all.push(self.blocks("press_nodes"));
-        all.extend(self.of_nodes("accelerate", "walls_accelerate", self.grains.map_or(0, |g| g.grains)));
+        all.extend([self.of_nodes("accelerate", self.grains.map_or(0, |g| g.grains))]);
         all.push(threads("advance", self.points));
         all.extend(self.order());
-        all.extend(self.of_nodes("project", "walls_project", 0));
+        all.extend([self.of_nodes("project", 0)]);
         all.push(threads("strain", self.points));
         if self.plates > 0 {
             all.push(threads("plate_forces", self.points));
@@ -119,13 +111,9 @@ impl Extent {
         vec![starts, threads("scatter", self.points), self.blocks("deposit")]
     }
 
-    /// A pass over the nodes with so many `more` threads, and that over walls of which one has friction.
-    fn of_nodes(&self, pass: &'static str, walls: &'static str, more: u32) -> Vec<Dispatch> {
-        let mut all = vec![threads(pass, self.cells().saturating_add(more))];
-        if self.walls.contains(&RUBS) {
-            all.push(alone(walls));
-        }
-        all
+    /// A pass over the nodes with so many `more` threads.
+    fn of_nodes(&self, pass: &'static str, more: u32) -> Dispatch {
+        threads(pass, self.cells().saturating_add(more))
     }
 
     /// Forces on the grains and contacts with points, after each step of the grains: lists of candidates where they are due, then contacts.
@@ -139,12 +127,12 @@ impl Extent {
     }
 }
 
-/// The passes that runs with these walls use, with or without loading plates and grains, each once.
-pub fn passes(walls: &[u32; BORDERS], plates: bool, grains: bool) -> Vec<&'static str> {
+/// The passes that runs use, with or without loading plates and grains, each once.
+pub fn passes(plates: bool, grains: bool) -> Vec<&'static str> {
     // a run may find by itself that its grains need several steps
     let grains = grains.then_some(GrainExtent { grains: 1, rows: 1, rates: 2 });
     let extent =
-        Extent { points: 1, several_laws: false, blocks: [1; 2], size: [1; 3], walls: *walls, plates: plates.into(), grains };
+        Extent { points: 1, several_laws: false, blocks: [1; 2], size: [1; 3], walls: [0; BORDERS], plates: plates.into(), grains };
     let mut all = Vec::new();
     for dispatch in [extent.prepare(), extent.begin(), extent.step()].concat() {
         if !all.contains(&dispatch.pass) {
@@ -158,26 +146,23 @@ pub fn passes(walls: &[u32; BORDERS], plates: bool, grains: bool) -> Vec<&'stati
 mod tests {
     use super::*;
 
-    /// Nine dispatches between walls of a grid that hold, eleven if one has friction, and one more for loading plates; with grains four more, and six for each further step
+    /// Nine dispatches, whatever the walls of the grid are, and one more for loading plates; with grains four more, and six for each further step
     /// of the grains.
     #[test]
     fn a_step_has_few_dispatches() {
-        let count = |wall, plates, rates: Option<u32>| {
+        let count = |plates, rates: Option<u32>| {
             let grains = rates.map(|rates| GrainExtent { grains: 10, rows: 200, rates });
-            Extent { points: 1000, several_laws: false, blocks: [20, 30], size: [6; 3], walls: [wall; 6], plates, grains }
-                .step()
-                .len()
+            Extent { points: 1000, several_laws: false, blocks: [20, 30], size: [6; 3], walls: [3; 6], plates, grains }.step().len()
         };
-        assert_eq!([count(1, 0, None), count(RUBS, 0, None), count(0, 6, None), count(2, 1, None)], [9, 11, 10, 10]);
-        assert_eq!([1, 2, 5].map(|rates| count(0, 0, Some(rates))), [13, 19, 37]);
-        assert_eq!(count(0, 6, Some(1)), 14);
+        assert_eq!([0, 1, 6].map(|plates| count(plates, None)), [9, 10, 10]);
+        assert_eq!([1, 2, 5].map(|rates| count(0, Some(rates))), [13, 19, 37]);
+        assert_eq!(count(6, Some(1)), 14);
     }
 
     #[test]
     fn a_run_has_the_passes_that_it_uses() {
-        let [alone, rubbed, all] = [(1, false, false), (RUBS, false, false), (RUBS, true, true)]
-            .map(|(wall, plates, grains)| passes(&[wall; 6], plates, grains));
-        assert_eq!([alone.len(), rubbed.len(), all.len()], [10, 12, 21]);
-        assert!(!alone.contains(&"walls_project") && rubbed.contains(&"walls_project") && all.contains(&"move_grains"));
+        let [alone, all] = [false, true].map(|with| passes(with, with));
+        assert_eq!([alone.len(), all.len()], [10, 19]);
+        assert!(!alone.contains(&"plate_forces") && all.contains(&"plate_forces") && all.contains(&"move_grains"));
     }
 }

@@ -250,8 +250,8 @@ fn finish(@builtin(local_invocation_index) thread: u32) {
     let sound = (status.stop == 0u && fault == NO_FAULT) || (FINES && passed);
     let counts_step = sound || passed;
     workgroupBarrier();
-    if HELD_WALLS {
-        sum_held_walls(thread);
+    if WALLED {
+        sum_walls(thread);
     }
     if PRESSED {
         sum_plate_loads(thread, sound);

@@ -1,13 +1,10 @@
 //! Rounds of the loops of one thread. Mesa's software adapter (llvmpipe) ends all loops of a thread after 65 535 rounds in total, without an error: what they had
-//! still to do is not done. Seen on a floor with friction of 700 × 700 cells, at whose far corner a sliding block had 4 % of its momentum left after 60 steps (400 × 400
-//! cells were right). What could come to so many rounds is
-//! refused on software adapters; the other loops are bounded by sizes that are refused elsewhere.
+//! still to do is not done. Seen on a floor with friction of 700 × 700 cells while one workgroup did all walls: at its far corner a sliding block had 4 % of its momentum left after
+//! 60 steps. What could come to so many rounds is refused on software adapters; the other loops are bounded by sizes that are refused elsewhere.
 
-use super::bounds::{GROUP, WIDE};
+use super::bounds::{BORDERS, GROUP, WIDE};
 use super::device::refused;
 use super::grains::{CoarseGrains, FURTHEST, SKIN};
-use super::layout::wall_kinds;
-use super::plan::held;
 use super::state::ghost_radius;
 use crate::error::Error;
 use crate::mpm::{GridWall, Points, Settings};
@@ -15,28 +12,14 @@ use crate::mpm::{GridWall, Points, Settings};
 /// Rounds that a thread may make, with some to spare.
 const MOST: f64 = 60_000.0;
 
-/// Rounds for each node that a thread has of a wall that holds the material (beside one with friction, `walls.wgsl`: folding, velocities of three layers, images; else
-/// `held_walls.wgsl`: one sum), and of one with friction, where all walls are looked at for each of its nodes.
-const HOLDS: f64 = 42.0;
-const RUBS: f64 = 181.0;
-
 /// Rounds for each cell that a thread has of the box around a grain (`grain_forces`): the cell and its eight points.
 const AROUND: f64 = 9.0;
 
-/// Rounds of the thread of `walls.wgsl` that has the most nodes, at most.
+/// Rounds of the thread of `finish` that sums up the impulses of the walls at the most nodes.
 fn of_walls(settings: &Settings) -> f64 {
     let nodes = settings.cells.map(|n| f64::from(n) + 3.0);
-    let held = held(&wall_kinds(settings));
-    let of_side = |(side, wall): (usize, &GridWall)| {
-        let each = match wall {
-            GridWall::Open => 0.0,
-            GridWall::Symmetry | GridWall::Stick if held => 1.0,
-            GridWall::Symmetry | GridWall::Stick => HOLDS,
-            GridWall::Friction { .. } => RUBS,
-        };
-        each * (nodes.iter().product::<f64>() / nodes[side / 2] / WIDE as f64).ceil()
-    };
-    settings.walls.iter().enumerate().map(of_side).sum()
+    let of_side = |side: usize| (nodes.iter().product::<f64>() / nodes[side / 2] / WIDE as f64).ceil();
+    (0..BORDERS).filter(|side| settings.walls[*side] != GridWall::Open).map(of_side).sum()
 }
 
 /// Rounds of a thread of `grain_forces` for the largest grain.
@@ -63,7 +46,7 @@ mod tests {
     use super::*;
     use crate::mpm::{Dimension, ShapeFunctions, Transfer};
 
-    /// Every committed scene is far below the limit; the floor on which rounds were lost is above it.
+    /// Every committed scene is far below the limit; a floor of 16 million cells is above it.
     #[test]
     fn a_wide_floor_has_too_many_rounds() {
         let floor = |cells: [u32; 3]| {
@@ -81,6 +64,6 @@ mod tests {
             settings.walls[4] = GridWall::Friction { friction: 0.3 };
             of_walls(&settings)
         };
-        assert!(floor([100, 100, 50]) < 0.2 * MOST && floor([700, 700, 2]) > MOST);
+        assert!(floor([700, 700, 50]) < 0.1 * MOST && floor([4000, 4000, 2]) > MOST);
     }
 }

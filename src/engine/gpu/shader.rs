@@ -17,8 +17,10 @@ pub struct Uses {
     pub yields: bool,
     /// One law for all points.
     pub one_law: bool,
-    /// Walls of the grid, none with friction.
-    pub held_walls: bool,
+    /// Walls of the grid.
+    pub walls: bool,
+    /// One of them with friction.
+    pub rubbed: bool,
     /// Loading plates.
     pub pressed: bool,
     /// Loading plates or walls of grains that are shells.
@@ -41,7 +43,8 @@ impl Uses {
             cam_clay,
             yields,
             one_law,
-            held_walls,
+            walls,
+            rubbed,
             pressed,
             shells,
             faces,
@@ -55,7 +58,8 @@ impl Uses {
             ("CAM_CLAY", cam_clay),
             ("YIELDS", yields),
             ("ONE_LAW", one_law),
-            ("HELD_WALLS", held_walls),
+            ("WALLED", walls),
+            ("RUBBED", rubbed),
             ("PRESSED", pressed),
             ("SHELLS", shells),
             ("FACES", faces),
@@ -81,7 +85,6 @@ pub const STEP: &str = concat!(
     include_str!("tiles.wgsl"),
     include_str!("loading_plates.wgsl"),
     include_str!("walls.wgsl"),
-    include_str!("held_walls.wgsl"),
     include_str!("points.wgsl"),
     include_str!("order.wgsl")
 );
@@ -100,7 +103,6 @@ pub const MIXTURE: &str = concat!(
     include_str!("tiles.wgsl"),
     include_str!("loading_plates.wgsl"),
     include_str!("walls.wgsl"),
-    include_str!("held_walls.wgsl"),
     include_str!("points.wgsl"),
     include_str!("order.wgsl"),
     include_str!("grains/faces.wgsl"),
@@ -135,7 +137,8 @@ pub mod tests {
         cam_clay: true,
         yields: true,
         one_law: false,
-        held_walls: true,
+        walls: true,
+        rubbed: true,
         pressed: true,
         shells: true,
         faces: true,
@@ -149,7 +152,8 @@ pub mod tests {
         cam_clay: false,
         yields: false,
         one_law: true,
-        held_walls: false,
+        walls: false,
+        rubbed: false,
         pressed: false,
         shells: false,
         faces: false,

@@ -8,7 +8,7 @@
 
 use super::bounds::{BLOCK, BORDERS, GROUP, SLOTS, TILE};
 use super::grains::layout::{CONTACT, GRAIN, NODES, POINT_CONTACT};
-use super::plan::{Extent, held};
+use super::plan::Extent;
 use serde::Serialize;
 use std::ops::Add;
 
@@ -56,7 +56,7 @@ pub const STRAIN: u64 = 723 + ELASTIC;
 /// Operations of a cell where its block sums up what it gives to 27 nodes; of a node that sums up eight tiles.
 const SUM_TILE: u64 = 4 * 27;
 const FROM_TILES: u64 = 4 * 8;
-/// Estimates: operations at a node on a wall, in three layers; with which a point finds how far it is from a loading plate; of a contact, with what it presses on nodes; of
+/// Estimates: operations at a node on a wall and those beside it; with which a point finds how far it is from a loading plate; of a contact, with what it presses on nodes; of
 /// a grain's motion.
 const WALL: u64 = 40;
 const TOUCH: u64 = 10;
@@ -85,12 +85,13 @@ fn of_pass(pass: &str, e: &Extent, near: u64) -> StepWork {
         "press_nodes" => {
             [points * ((3 + pressed + coupled) * PLANE + WORD) + cells * WORD + tiles, points * PRESS + cells * SUM_TILE]
         }
-        // tiles; momentum, speed
-        "project" => [tiles + cells * 2 * PLANE, cells * FROM_TILES],
-        // tiles; momentum, speed, change; grains
-        "accelerate" => [tiles + cells * 3 * PLANE + grains * 2 * GRAIN as u64 * PLANE, cells * FROM_TILES + grains * MOVE],
-        // speed and change of three layers, twice; whether the wall touches
-        "walls_project" | "walls_accelerate" => [on_walls * (12 * PLANE + 2 * WORD), on_walls * WALL],
+        // tiles; momentum, speed; whether a wall acts
+        "project" => [tiles + (cells * 2 + on_walls) * PLANE, cells * FROM_TILES + on_walls * WALL],
+        // tiles; momentum, speed, change; impulses of walls; grains
+        "accelerate" => [
+            tiles + (cells * 3 + on_walls + grains * 2 * GRAIN as u64) * PLANE,
+            cells * FROM_TILES + on_walls * WALL + grains * MOVE,
+        ],
         // place, rest, velocity and its low part, twice; faces, transport twice; of points at a plate the rest of their faces; speed and change
         "advance" => [(points * (8 + pressed + 2 * coupled) + at_plates * 3 + cells * 2) * PLANE, points * ADVANCE],
         // counts twice; starts
@@ -105,8 +106,8 @@ fn of_pass(pass: &str, e: &Extent, near: u64) -> StepWork {
         "plate_forces" => {
             [(points * 2 + at_plates * 3) * PLANE + at_plates * WORD + of_groups, (points * plates + at_plates) * TOUCH]
         }
-        // sums of workgroups; impulses of walls, twice
-        "finish" => [of_groups + if held(&e.walls) { on_walls * 6 * WORD } else { 0 }, 0],
+        // sums of workgroups; impulses of walls
+        "finish" => [of_groups + on_walls * PLANE, 0],
         "move_grains" => [grains * 2 * GRAIN as u64 * PLANE, grains * MOVE],
         // point, contact twice, what it presses on nodes twice
         "point_contact_forces" => [near * (5 + 2 * (POINT_CONTACT + NODES) as u64) * PLANE, near * CONTACT_FORCE],
