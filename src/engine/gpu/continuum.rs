@@ -159,7 +159,9 @@ impl DeviceContinuum {
         let settings = cpu.settings().clone();
         takes(cpu.laws())?;
         sizes(&settings, cpu.points(), plates, coarse)?;
-        Error::all(if device.adapter.software { rounds::too_many(&settings, cpu.points(), coarse) } else { Vec::new() })?;
+        if device.adapter.software {
+            rounds::few_enough(&settings, cpu.points(), coarse)?;
+        }
         let mut state = state::to_device(&settings, cpu.points(), !plates.is_empty());
         let mut batch = BatchState::default();
         let round = plates.iter().any(|p| p.radius.is_some());

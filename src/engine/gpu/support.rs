@@ -59,7 +59,9 @@ pub fn needs(
 pub fn fits(settings: &Settings, points: &Points, plates: &[LoadingPlate], coarse: Option<&CoarseGrains<'_>>) -> Result<Adapter> {
     let (sizes, grains) = sizes(settings, points, plates, coarse)?;
     let adapter = holding(&sizes, grains.as_ref())?;
-    Error::all(if adapter.software { rounds::too_many(settings, points, coarse) } else { Vec::new() })?;
+    if adapter.software {
+        rounds::few_enough(settings, points, coarse)?;
+    }
     Ok(adapter)
 }
 

@@ -330,23 +330,25 @@ fn node_at_walls(k: u32, at: vec3<i32>, moving: bool) {
         // and what it has after all of them
         rest |= 1u << BORDERS;
     }
-    var needed = vec3<f32>(0.0);
-    var behind = false;
-    while rest != 0u {
-        let side = firstTrailingBit(rest);
-        let wall = min(side, BORDERS - 1u);
-        var place = select(at, seen, side == BORDERS);
-        place[wall / 2u] = select(place[wall / 2u], behind_of(wall), behind);
-        let there = folded(place, holding(side), moving);
-        if side == BORDERS {
-            own = there;
-        } else if behind {
-            touching[entry_of(wall, at)] = vec4<f32>((needed - 2.0 * there.impulse) * (vec3<f32>(1.0) - stays_at(wall)), 1.0);
-        } else {
-            needed = -there.impulse;
+    if moving || !RUBBED {
+        var needed = vec3<f32>(0.0);
+        var behind = false;
+        while rest != 0u {
+            let side = firstTrailingBit(rest);
+            let wall = min(side, BORDERS - 1u);
+            var place = select(at, seen, side == BORDERS);
+            place[wall / 2u] = select(place[wall / 2u], behind_of(wall), behind);
+            let there = folded(place, holding(side), moving);
+            if side == BORDERS {
+                own = there;
+            } else if behind {
+                touching[entry_of(wall, at)] = vec4<f32>((needed - 2.0 * there.impulse) * (vec3<f32>(1.0) - stays_at(wall)), 1.0);
+            } else {
+                needed = -there.impulse;
+            }
+            behind = !behind && side < BORDERS;
+            rest = select(rest & (rest - 1u), rest, behind);
         }
-        behind = !behind && side < BORDERS;
-        rest = select(rest & (rest - 1u), rest, behind);
     }
     if RUBBED {
         let planes = planes_at(seen, acting);

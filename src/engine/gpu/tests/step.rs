@@ -487,6 +487,36 @@ fn one_step_follows_f64() {
     }
 }
 
+/// Rung 3, a wide floor with friction: a block slides at its far corner. While one thread went through hundreds of nodes of a wall, a software adapter left some out.
+#[test]
+fn a_block_slides_at_the_far_corner_of_a_wide_floor() {
+    if !adapter("a_block_slides_at_the_far_corner_of_a_wide_floor") {
+        return;
+    }
+    let mut s = settings([700, 700, 5]);
+    s.walls[4] = GridWall::Friction { friction: 0.3 };
+    let laws = vec![Law::Elastic(Elastic::of_young(1e6, 0.2))];
+    let mut points = box_of_points(&Settings { cells: [4, 4, 5], ..s.clone() }, &laws, 300);
+    for (x, v) in points.position.iter_mut().zip(&mut points.velocity) {
+        (x[0], x[1]) = (x[0] + 69.4, x[1] + 69.4);
+        (v[0], v[1], v[2]) = (v[0] - 2.0, v[1] - 2.0, 0.0);
+    }
+    let mut cpu = mpm::Continuum::new(s, laws, points).expect("allowed");
+    let mut gpu = DeviceContinuum::new(&cpu).expect("device");
+    let mut back = cpu.clone();
+    let dt = 0.3 * cpu.stable_step(1.0);
+    gpu.steps(10, dt).expect("steps");
+    for _ in 0..10 {
+        cpu.step(dt).expect("step");
+    }
+    gpu.read_back(&mut back).expect("read");
+    let [v, x, ..] = apart(&cpu, &back);
+    let [here, there] = [&cpu, &back].map(|c| c.wall_force()[4]);
+    println!("rung 3, a wide floor: velocity {v:e} m/s, place {x:e} cells, force of the floor {here:?} N, {there:?} there");
+    assert!(here[0] > 0.1 * here[2] && here[2] > 0.0);
+    assert!(v < 1e-6 && x < 1e-7 && (0..3).all(|a| (here[a] - there[a]).abs() < 1e-5 * here[2]));
+}
+
 /// Rung 3, the bound on the step: that of clays follows the stress of each point and what it remembers.
 #[test]
 fn the_bound_of_clays_follows_their_stress() {
