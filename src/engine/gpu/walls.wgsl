@@ -274,16 +274,17 @@ fn let_be(planes: u32) -> vec3<f32> {
 
 // What walls with friction do to a node on their planes.
 struct Rubbing {
-    // across each axis: impulse of the wall that presses, and the largest impulse of its friction
+    // across each axis: impulse of the wall that presses, and the largest impulse of its friction; the sum of these
     given: vec3<f32>,
     limits: vec3<f32>,
+    limit: f32,
     // momentum along the walls without friction, and the part that friction leaves
     along: vec3<f32>,
     kept: f32,
 }
 
 fn rubbing_of(own: Content, planes: u32) -> Rubbing {
-    var found = Rubbing(vec3<f32>(0.0), vec3<f32>(0.0), vec3<f32>(0.0), 1.0);
+    var found = Rubbing(vec3<f32>(0.0), vec3<f32>(0.0), 0.0, vec3<f32>(0.0), 1.0);
     for (var side = 0u; side < BORDERS; side++) {
         if has(planes, side) {
             let axis = side / 2u;
@@ -293,9 +294,9 @@ fn rubbing_of(own: Content, planes: u32) -> Rubbing {
     }
     found.along = (own.momentum.xyz + own.impulse) * let_be(planes);
     let size = sqrt(dot(found.along, found.along));
-    let limit = found.limits.x + found.limits.y + found.limits.z;
-    if limit > 0.0 {
-        found.kept = select(0.0, 1.0 - limit / max(size, 1e-37), size > limit);
+    found.limit = found.limits.x + found.limits.y + found.limits.z;
+    if found.limit > 0.0 {
+        found.kept = select(0.0, 1.0 - found.limit / max(size, 1e-37), size > found.limit);
     }
     return found;
 }
@@ -303,7 +304,7 @@ fn rubbing_of(own: Content, planes: u32) -> Rubbing {
 // The impulse of one of these walls: its own push and its share of the friction.
 fn given_by(side: u32, node: Rubbing) -> vec3<f32> {
     let axis = side / 2u;
-    let share = node.limits[axis] / max(node.limits.x + node.limits.y + node.limits.z, 1e-37);
+    let share = node.limits[axis] / max(node.limit, 1e-37);
     return unit(axis) * node.given + share * (node.along * node.kept - node.along);
 }
 
@@ -363,7 +364,7 @@ fn node_at_walls(k: u32, at: vec3<i32>, moving: bool) {
             }
         }
         own.momentum *= vec4<f32>(let_be(planes), 1.0);
-        own.impulse = select(own.impulse * let_be(planes), node.along * node.kept - own.momentum.xyz, node.limits.x + node.limits.y + node.limits.z > 0.0);
+        own.impulse = select(own.impulse * let_be(planes), node.along * node.kept - own.momentum.xyz, node.limit > 0.0);
     }
     // again, as in a domain one cell wide the opposite wall has folded onto the plane
     let stays = let_be(planes_at(seen, held));
