@@ -304,26 +304,6 @@ fn a_grid_that_does_not_fit_is_refused_with_its_size() {
     assert!(told.contains("memory of the cells") && told.contains("MiB") && told.contains("use a smaller domain"), "{told}");
 }
 
-/// A software adapter would end the loops over a floor of 700 × 700 cells before its far corner, silently.
-#[test]
-fn a_floor_too_wide_for_a_software_adapter_is_refused() {
-    if !adapter("a_floor_too_wide_for_a_software_adapter_is_refused") {
-        return;
-    }
-    let mut s = settings(0.1, [700, 700, 2]);
-    s.walls = [GridWall::Open; 6];
-    s.walls[4] = GridWall::Friction { friction: 0.3 };
-    let points = lattice(&s, [2, 2, 1], 1000.0, |_| [0.0; 3]);
-    let cpu = Continuum::new(s, vec![soil()], points).unwrap();
-    let told = gpu::DeviceContinuum::new(&cpu).err().map(|e| e.to_string());
-    match gpu::available().expect("an adapter").software {
-        true => {
-            assert!(told.as_deref().is_some_and(|t| t.contains("sides of the grid") && t.contains("smaller domain")), "{told:?}")
-        }
-        false => assert_eq!(told, None),
-    }
-}
-
 /// The same words as on the CPU, with the same step and point.
 #[test]
 fn lost_points_are_named() {
