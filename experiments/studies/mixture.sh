@@ -5,7 +5,6 @@ set -eu
 out=${1:-runs/mixture}
 program=${COMMINUTE:-target/release/comminute}
 
-declare -A levels=([rates]=4)
 declare -A figures=(
     [impact_refined]="loss_cells loss_points"
     [crater]="depth ratio"
@@ -18,7 +17,7 @@ declare -A figures=(
 # up to 1.6 million points: minutes on a graphics device, an hour on the processor
 declare -A backends=([crater_cells]=auto)
 for case in impact_refined crater crater_outer crater_mohr_coulomb crater_numerics crater_cells collapse_mohr_coulomb rates; do
-    "$program" verify --only $case --levels ${levels[$case]:-8} --backend ${backends[$case]:-cpu} --continue --out "$out/$case"
+    "$program" verify --only $case --backend ${backends[$case]:-cpu} --continue --out "$out/$case"
     mkdir -p figures/mixture/$case
     cp "$out/$case"/verification.{csv,md} figures/mixture/$case
     for figure in ${figures[$case]:-}; do
