@@ -69,11 +69,11 @@ fn plane_size(axis: u32) -> u32 {
     return n.x * n.y * n.z / n[axis];
 }
 
-// Index in `touching` of the first node of a wall.
+// Index in `touching` of the first node of a wall: sides without a wall have no entries.
 fn plane_first(side: u32) -> u32 {
     var first = 0u;
     for (var s = 0u; s < side; s++) {
-        first += plane_size(s / 2u);
+        first += select(0u, plane_size(s / 2u), params.walls[s].x != 0u);
     }
     return first;
 }
