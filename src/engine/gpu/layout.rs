@@ -171,6 +171,12 @@ pub fn wall_kinds(settings: &Settings) -> [u32; BORDERS] {
     settings.walls.map(|side| wall(side)[0])
 }
 
+/// Number of nodes in the planes of all walls, for a domain of so many cells with walls of these kinds.
+pub fn nodes_on_walls(cells: [u32; 3], kinds: &[u32; BORDERS]) -> u64 {
+    let in_plane = |axis: usize| [1, 2].map(|k| u64::from(cells[(axis + k) % 3]) + 3).iter().product::<u64>();
+    (0..BORDERS).filter(|side| kinds[*side] != 0).map(|side| in_plane(side / 2)).sum()
+}
+
 /// Kind of a wall with friction in the parameters of the shaders, where 0 is none.
 pub const RUBS: u32 = 3;
 

@@ -267,6 +267,19 @@ fn total(thread: u32, own: vec4<f32>, threads: u32) -> vec4<f32> {
     return partial_sums[0];
 }
 
+// The plain sum of a workgroup of WIDE threads.
+fn plain_total(thread: u32, own: vec4<f32>) -> vec4<f32> {
+    partial_sums[thread] = own;
+    workgroupBarrier();
+    for (var half = WIDE / 2u; half > 0u; half /= 2u) {
+        if thread < half {
+            partial_sums[thread] += partial_sums[thread + half];
+        }
+        workgroupBarrier();
+    }
+    return partial_sums[0];
+}
+
 // Reactions of the loading plates at the end of a step, and their work.
 fn sum_plate_loads(thread: u32, sound: bool) {
     let count = params.point_groups.x * params.point_groups.y;

@@ -1,12 +1,12 @@
 //! Sizes of the buffers that a continuum needs on the device, known before anything is allocated.
 
 use super::blocks::Blocks;
-use super::bounds::{BLOCK, BORDERS, PLATES, TILE};
+use super::bounds::{BLOCK, PLATES, TILE};
 use super::device::refused;
-use super::layout::{BatchState, cell_groups, groups};
+use super::layout::{BatchState, cell_groups, groups, nodes_on_walls, wall_kinds};
 use super::state::entries;
 use crate::error::Result;
-use crate::mpm::{GridWall, Settings};
+use crate::mpm::Settings;
 
 /// Size of each buffer, bytes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -23,9 +23,6 @@ pub struct BufferSizes {
 impl BufferSizes {
     /// For `points` material points, with or without loading plates; the grid has as many blocks as there are slots.
     pub fn of(settings: &Settings, blocks: &Blocks, points: u64, plates: bool) -> BufferSizes {
-        let nodes = settings.cells.map(|n| u64::from(n) + 3);
-        let on_wall = |side: usize| nodes[(side / 2 + 1) % 3] * nodes[(side / 2 + 2) % 3];
-        let on_walls: u64 = (0..BORDERS).filter(|side| settings.walls[*side] != GridWall::Open).map(on_wall).sum();
         let [x, y] = groups(u32::try_from(points).unwrap_or(u32::MAX));
         let (slots, table) = (u64::from(blocks.slots), u64::from(blocks.count()));
         let cells = BLOCK as u64 * slots;
@@ -37,7 +34,7 @@ impl BufferSizes {
             counts: 4 * (cells + u64::from(cell_groups(cells as u32)) + table),
             blocks: 4 * (table + slots),
             // an entry for each node on a wall; a buffer is never empty
-            touching: 16 * on_walls.max(1),
+            touching: 16 * nodes_on_walls(settings.cells, &wall_kinds(settings)).max(1),
             // the state, the force on each point, and sums over workgroups of points
             batch: size_of::<BatchState>() as u64
                 + 16

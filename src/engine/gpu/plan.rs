@@ -58,7 +58,7 @@ impl Extent {
     /// What must be computed before the first step: order of the points, velocities of the nodes, forces on loading plates and grains.
     pub fn prepare(&self) -> Vec<Dispatch> {
         let mut all = self.order();
-        all.extend([self.of_nodes("project", 0)]);
+        all.push(self.of_nodes("project", 0));
         if self.plates > 0 {
             all.extend([threads("plate_forces", self.points), alone("plate_loads")]);
         }
@@ -85,10 +85,10 @@ impl Extent {
             }
         }
         all.push(self.blocks("press_nodes"));
-        all.extend([self.of_nodes("accelerate", self.grains.map_or(0, |g| g.grains))]);
+        all.push(self.of_nodes("accelerate", self.grains.map_or(0, |g| g.grains)));
         all.push(threads("advance", self.points));
         all.extend(self.order());
-        all.extend([self.of_nodes("project", 0)]);
+        all.push(self.of_nodes("project", 0));
         all.push(threads("strain", self.points));
         if self.plates > 0 {
             all.push(threads("plate_forces", self.points));

@@ -2,8 +2,6 @@
 // moves as its image does. Twins (f64): mpm/walls.rs and mpm/walls/friction.rs, where the method is documented. They fold one wall after the other; here each node finds by itself
 // what all of them leave it, so nothing waits for a wall. A set of sides is a word with a bit for each.
 
-var<workgroup> partial: array<vec3<f32>, WIDE>;
-
 // What a node has: momentum and mass, and the impulse of this step.
 struct Content {
     momentum: vec4<f32>,
@@ -46,11 +44,11 @@ fn stays_at(side: u32) -> vec3<f32> {
     return max(parity(side), vec3<f32>(0.0));
 }
 
-// Places along the axis of a wall: behind it, on its plane, in front of it.
 fn last_node(axis: u32) -> i32 {
     return node_size()[axis] - 1;
 }
 
+// Places along the axis of a wall: behind it, on its plane, in front of it.
 fn behind_of(side: u32) -> i32 {
     return select(0, last_node(side / 2u), side % 2u == 1u);
 }
@@ -388,20 +386,13 @@ fn sum_walls(thread: u32) {
         if params.walls[side].x == 0u {
             continue;
         }
-        var sum = vec3<f32>(0.0);
+        var own = vec3<f32>(0.0);
         for (var t = thread; t < plane_size(side / 2u); t += WIDE) {
-            sum += touching[plane_first(side) + t].xyz;
+            own += touching[plane_first(side) + t].xyz;
         }
-        partial[thread] = sum;
-        workgroupBarrier();
-        for (var half = WIDE / 2u; half > 0u; half /= 2u) {
-            if thread < half {
-                partial[thread] += partial[thread + half];
-            }
-            workgroupBarrier();
-        }
+        let sum = plain_total(thread, vec4<f32>(own, 0.0));
         if thread == 0u {
-            status.reaction[side] = vec4<f32>(partial[0] / batch.dt, 0.0);
+            status.reaction[side] = sum / batch.dt;
         }
         workgroupBarrier();
     }

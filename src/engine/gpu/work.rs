@@ -6,8 +6,9 @@
 //! shaders' f32, with the elastic law; whole numbers, comparisons and returns to a yield surface are not counted. Each point near a grain has one contact, and lists of candidates
 //! are not made.
 
-use super::bounds::{BLOCK, BORDERS, GROUP, SLOTS, TILE};
+use super::bounds::{BLOCK, GROUP, SLOTS, TILE};
 use super::grains::layout::{CONTACT, GRAIN, NODES, POINT_CONTACT};
+use super::layout::nodes_on_walls;
 use super::plan::Extent;
 use serde::Serialize;
 use std::ops::Add;
@@ -63,11 +64,6 @@ const TOUCH: u64 = 10;
 const CONTACT_FORCE: u64 = 100 + 8 * NODES as u64;
 const MOVE: u64 = 100;
 
-/// Nodes of the plane of a wall across an axis.
-fn plane(size: [u32; 3], axis: usize) -> u64 {
-    [1, 2].map(|k| u64::from(size[(axis + k) % 3]) + 3).iter().product()
-}
-
 fn of_pass(pass: &str, e: &Extent, near: u64) -> StepWork {
     let [points, blocks] = [e.points, e.blocks[0]].map(u64::from);
     let (cells, tiles) = (BLOCK as u64 * blocks, TILE as u64 * blocks * PLANE);
@@ -77,7 +73,7 @@ fn of_pass(pass: &str, e: &Extent, near: u64) -> StepWork {
     let at_plates = points.min(plates * (4.0 * (points as f64).powf(2.0 / 3.0)) as u64);
     let of_groups = plates * points.div_ceil(GROUP as u64) * PLANE;
     let grains = e.grains.map_or(0, |g| u64::from(g.grains));
-    let on_walls: u64 = (0..BORDERS).filter(|k| e.walls[*k] != 0).map(|k| plane(e.size, k / 2)).sum();
+    let on_walls = nodes_on_walls(e.size, &e.walls);
     let [bytes, flops] = match pass {
         // place, velocity; identity, order twice; starts, counts; tiles
         "deposit" => [points * (2 * PLANE + 3 * WORD) + cells * 3 * WORD + tiles, points * DEPOSIT + cells * SUM_TILE],

@@ -556,16 +556,9 @@ fn step_bound(@builtin(local_invocation_index) thread: u32) {
             let s = PARTNERS + k;
             own += vec4<f32>(bitcast<f32>(slots[slot_at(C_NORMAL, s, g)].w), bitcast<f32>(slots[slot_at(C_LOW, s, g)].w), 0.0, 0.0);
         }
-        partial_sums[thread] = own;
-        workgroupBarrier();
-        for (var half = WIDE / 2u; half > 0u; half /= 2u) {
-            if thread < half {
-                partial_sums[thread] += partial_sums[thread + half];
-            }
-            workgroupBarrier();
-        }
+        let sum = plain_total(thread, own);
         if thread == 0u && status.stop == 0u {
-            store_reaction(k, partial_sums[0].x, partial_sums[0].y);
+            store_reaction(k, sum.x, sum.y);
         }
         workgroupBarrier();
     }

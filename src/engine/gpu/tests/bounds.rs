@@ -420,7 +420,7 @@ fn an_array_that_is_too_short_is_found() {
         ("slot_torques: array<vec4<f32>, SLOTS>", "slot_torques: array<vec4<f32>, 39>", "grain_forces", "slot_torques"),
         ("forces: array<vec4<f32>, GROUP>", "forces: array<vec4<f32>, 32>", "grain_forces", "forces"),
         ("shared_sums: array<u32, WIDE>", "shared_sums: array<u32, GROUP>", "before", "shared_sums"),
-        ("partial: array<vec3<f32>, WIDE>", "partial: array<vec3<f32>, 255>", "sum_walls", "partial"),
+        ("partial_sums: array<vec4<f32>, WIDE>", "partial_sums: array<vec4<f32>, 255>", "plain_total", "partial_sums"),
         (
             "@compute @workgroup_size(WIDE)\nfn step_bound",
             "@compute @workgroup_size(512)\nfn step_bound",
