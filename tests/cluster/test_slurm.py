@@ -43,6 +43,7 @@ def test_an_ensemble_survives_a_killed_node_and_a_killed_call(command, scene, cl
     text = (scene.parent / "said").read_text()
     assert codes == [0, 0], text
     ours, theirs = files(runs), files(scene.parent / "local")
+    assert not {name: text for name, text in ours.items() if name.endswith(".log")}
     assert ours.keys() == theirs.keys() and len(ours) > 8 * SEEDS
     for name, content in theirs.items():
         assert ours[name] == content, name
@@ -51,7 +52,8 @@ def test_an_ensemble_survives_a_killed_node_and_a_killed_call(command, scene, cl
     first_array = arrays.pop("1")
     assert len(first_array) == SEEDS
     for run in (run for array in arrays.values() for run in array):
-        assert (runs / "slurm/1" / f"{first_array.index(run) + 1}.code").read_text() == "130\n", text
+        # by the run itself, or by its shell where the signal came before the run listened
+        assert (runs / "slurm/1" / f"{first_array.index(run) + 1}.code").read_text() in ("130\n", "143\n"), text
 
 
 def test_what_goes_wrong_is_told_and_a_second_call_goes_on(command, scene, cluster):

@@ -112,7 +112,8 @@ pub fn exists(dir: &Path) -> bool {
 }
 
 /// Reads the newest checkpoint of the folder `dir` that is whole and stands the `check`, which says what is wrong with a progress. The
-/// second value says why the newest was not taken, if it was not.
+/// second value says what is wrong with the newest, if something is. Nothing is where it is not there: a process that is killed while
+/// [`save`] gives the names leaves the previous one alone.
 ///
 /// # Errors
 /// A missing file; [`Error::Checkpoint`] for one of another version or another scene, or if all are damaged.
@@ -120,10 +121,15 @@ pub fn load<T: DeserializeOwned>(dir: &Path, check: impl Fn(&T) -> Checked) -> R
     match read(&dir.join(FILE), dir, &check) {
         Ok(progress) => Ok((progress, None)),
         Err(newest) => match read(&dir.join(PREVIOUS), dir, &check) {
-            Ok(progress) => Ok((progress, Some(newest))),
+            Ok(progress) => Ok((progress, Some(newest).filter(|why| !missing(why)))),
             Err(_) => Err(newest),
         },
     }
+}
+
+/// Whether a file could not be read because it is not there.
+fn missing(why: &Error) -> bool {
+    matches!(why, Error::Read { source, .. } if source.kind() == std::io::ErrorKind::NotFound)
 }
 
 /// The content of one checkpoint, if it is whole and stands the check.
@@ -275,7 +281,8 @@ mod tests {
         let dir = folder();
         std::fs::rename(dir.path().join(FILE), dir.path().join(TEMPORARY)).expect("killed");
         assert!(exists(dir.path()));
-        assert_eq!(loaded(dir.path()).expect("the previous one").0, progress(1));
+        let (there, why) = loaded(dir.path()).expect("the previous one");
+        assert!(there == progress(1) && why.is_none(), "{why:?}");
         save(dir.path(), &progress(3)).expect("goes on");
         assert_eq!(loaded(dir.path()).expect("whole").0, progress(3));
     }
