@@ -264,7 +264,7 @@ fn head(machines: &[Machine], packings: &[Packing]) {
         eprintln!("{}, {} grains: porosity {:.4}{made}, {}", p.case, p.grains.len(), p.porosity(), p.path.display());
     }
     eprintln!(
-        "\n{:>7} {:>7} {:>3} {:>13}  {:>16} {:>13} {:>8} {:>7}  {:>13}  {:>22} {:>15}  {:>8} {:>9} {:>9}",
+        "\n{:>7} {:>7} {:>3} {:>13}  {:>16} {:>13} {:>8} {:>7}  {:>13}  {:>22} {:>15}  {:>8} {:>9} {:>9} {:>9}",
         "case",
         "grains",
         "thr",
@@ -278,7 +278,8 @@ fn head(machines: &[Machine], packings: &[Packing]) {
         "% flops, memory",
         "searches",
         "kPa (vol)",
-        "us/break"
+        "us/break",
+        "ns trip"
     );
 }
 
@@ -288,7 +289,7 @@ fn line(row: &Row) {
     let most = s.blocks.iter().copied().fold(0.0, f64::max);
     let [contacts, grains] = s.roofline.map(|r| r.map(|x| 100.0 * x));
     eprintln!(
-        "{:>7} {:>7} {:>3} {:>13}  {:>16.2} {:>13} {:>8} {:>7.0}  {:>13}  {:>22} {:>15}  {:>8} {:>9.3} {:>9}",
+        "{:>7} {:>7} {:>3} {:>13}  {:>16.2} {:>13} {:>8} {:>7.0}  {:>13}  {:>22} {:>15}  {:>8} {:>9.3} {:>9} {:>9}",
         row.case,
         row.grains,
         row.threads,
@@ -303,12 +304,13 @@ fn line(row: &Row) {
         s.searches,
         1e-3 * s.stress_volume,
         row.burst.as_ref().map_or("-".into(), |b| format!("{:.1}", 1e6 * b.each)),
+        s.round_trip.map(|trip| trip.map_or("-".into(), |t| format!("{:.0}", 1e9 * t))).join(", "),
     );
 }
 
 fn foot(rows: &[Row]) {
     eprintln!(
-        "\n/cpu-s: per second of processor time, all threads together. pairs: touching / listed. ns: per grain-step in neighbour lists, contacts, grains (a pass with clocks). %: of the machine's operations and bandwidth, contacts / grains (a packing in the caches may pass 100). us/break: one grain into 14."
+        "\n/cpu-s: per second of processor time, all threads together. pairs: touching / listed. ns: per grain-step in neighbour lists, contacts, grains (a pass with clocks). %: of the machine's operations and bandwidth, contacts / grains (a packing in the caches may pass 100). us/break: one grain into 14. ns trip: a number goes from one thread to another and back, before and after; several times 50 where they share no cache."
     );
     if let Some(row) = rows.first() {
         eprintln!(
@@ -384,6 +386,7 @@ fn row_as_json(row: &Row) -> Value {
         "stress_kPa": { "volume": 1e-3 * s.stress_volume, "platens": 1e-3 * s.stress_platens, "radial": 1e-3 * s.stress_radial },
         "hash": format!("{:016x}", s.hash),
         "load_average": s.load,
+        "round_trip_seconds": s.round_trip,
         "breakage": row.burst.as_ref().map(|b| json!({
             "events": b.events,
             "microseconds": 1e6 * b.each,

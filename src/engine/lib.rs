@@ -8,6 +8,7 @@
 //! | module | content |
 //! |---|---|
 //! | [`math`] | vectors, functions and random draws with the same bits on every machine, SIMD arithmetic |
+//! | [`parallel`] | parts of a step on several threads |
 //! | [`check`] | checks that a state from outside holds only what a run can have made |
 //! | [`error`], [`parameter`], [`material`], [`boundary`], [`grains`], [`shape`] | errors, parameters that laws ask of materials, material constants, walls, the arrays of grains, shapes of rigid bodies |
 //! | [`contact`], [`breakage`] | contact laws and the loop over all contacts; laws of breakage |
@@ -33,6 +34,7 @@ pub mod material;
 pub mod math;
 pub mod mpm;
 pub mod neighbours;
+pub mod parallel;
 pub mod parameter;
 pub mod point_contacts;
 pub mod rigid;

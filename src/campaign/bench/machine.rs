@@ -4,6 +4,7 @@ use engine::math::real::{self, Lanes};
 use pulp::{Simd, WithSimd};
 use rayon::prelude::*;
 use std::hint::black_box;
+use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::Instant;
 
 /// Measured limits of a number of threads together.
@@ -21,6 +22,8 @@ pub struct Machine {
 const TRIAD: usize = 8 << 20;
 /// Number of rounds; the best one counts.
 const ROUNDS: usize = 5;
+/// How often a thread looks for what the other sends in [`round_trip`], some milliseconds: all others may be at work elsewhere.
+const PATIENCE: u32 = 1 << 20;
 /// Number of multiply-adds in one chain.
 const CHAIN: usize = 1 << 21;
 
@@ -87,6 +90,37 @@ fn bandwidth() -> f64 {
     });
     // four arrays: a cache line of `a` is read before it is written
     (4 * TRIAD * size_of::<f64>()) as f64 / best.fold(f64::INFINITY, f64::min)
+}
+
+/// Time for a number to go from one thread of the calling thread's pool to another and back, s; the shortest of some rounds. `None` on one thread.
+/// Where two threads share a cache it is about 50 ns, else several times as long, and a virtual machine may be moved from one to the other at any time.
+pub fn round_trip() -> Option<f64> {
+    const TRIPS: u32 = 2000;
+    if rayon::current_num_threads() < 2 {
+        return None;
+    }
+    let round = || {
+        // odd: sent by the first thread; even: sent back
+        let number = AtomicU32::new(0);
+        let pass = |first: u32| {
+            for trip in 0..TRIPS {
+                let mut looks = 0;
+                while number.load(Ordering::Acquire) != 2 * trip + first {
+                    looks += 1;
+                    if looks > PATIENCE {
+                        return None;
+                    }
+                    std::hint::spin_loop();
+                }
+                number.store(2 * trip + first + 1, Ordering::Release);
+            }
+            Some(())
+        };
+        let since = Instant::now();
+        let (here, there) = rayon::join(|| pass(0), || pass(1));
+        here.and(there).map(|()| since.elapsed().as_secs_f64() / f64::from(TRIPS))
+    };
+    (0..ROUNDS).filter_map(|_| round()).reduce(f64::min)
 }
 
 fn flops() -> f64 {

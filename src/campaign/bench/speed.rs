@@ -1,5 +1,6 @@
 //! Speed of the engine for grains: grain-steps per second, memory, and the share of each stage.
 
+use super::machine::round_trip;
 use super::{Demand, Machine, Packing, start};
 use engine::contact::pairs::{FREE, Pairs};
 use engine::dem;
@@ -63,6 +64,8 @@ pub struct Speed {
     pub roofline: [[f64; 2]; 2],
     /// Load average of the last minute before and after, where the system tells.
     pub load: [Option<f64>; 2],
+    /// Time for a number to go from one thread to another and back, s, before and after ([`round_trip`]).
+    pub round_trip: [Option<f64>; 2],
 }
 
 impl Speed {
@@ -104,7 +107,7 @@ pub fn pool(threads: usize) -> Result<rayon::ThreadPool> {
 }
 
 fn timed(model: &Model, packing: &Packing, machine: &Machine, plan: &Plan) -> Result<(Speed, State)> {
-    let before = load_average();
+    let before = (load_average(), round_trip());
     let (mut state, mut work) = start(model, packing, false);
     let n = state.grains.len() as f64;
     run(model, &mut state, &mut work, plan.warm_up);
@@ -116,7 +119,7 @@ fn timed(model: &Model, packing: &Packing, machine: &Machine, plan: &Plan) -> Re
         blocks.push(grain_steps / since.elapsed().as_secs_f64());
         cpu_blocks.extend(cpu.zip(cpu_seconds()).map(|(from, to)| grain_steps / (to - from)));
     }
-    let after = load_average();
+    let after = (load_average(), round_trip());
     let hash = hash(&state);
     let steps = state.step;
 
@@ -160,7 +163,8 @@ fn timed(model: &Model, packing: &Packing, machine: &Machine, plan: &Plan) -> Re
         stress_radial: stresses.horizontal,
         hash,
         roofline,
-        load: [before, after],
+        load: [before.0, after.0],
+        round_trip: [before.1, after.1],
     };
     Ok((speed, ended))
 }

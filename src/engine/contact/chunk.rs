@@ -4,19 +4,11 @@ use super::force::ContactHistory;
 use super::law::Law;
 use super::pairs::{ContactForce, Pairs};
 use crate::math::real::{Lanes, Real};
+use crate::parallel::{few, join, middle};
 use pulp::Simd;
 
-/// Contacts per parallel task. For up to one and a half tasks a second thread costs more than it brings ([`few`]).
-pub const TASK: usize = 1024;
-
-/// Which slots a sweep computes.
-#[derive(Clone, Copy)]
-pub enum Slots<'a> {
-    /// All slots.
-    All,
-    /// These slots only, in this order and in one thread.
-    These(&'a [u32]),
-}
+/// Contacts per parallel task.
+pub const TASK: usize = 256;
 
 /// A range of slots of [`Pairs`]: this range of each of its arrays. Columns that the run does not keep are empty.
 pub struct Chunk<'a> {
@@ -33,7 +25,8 @@ pub struct Chunk<'a> {
 }
 
 impl<'a> Chunk<'a> {
-    fn all(p: &'a mut Pairs) -> Chunk<'a> {
+    /// All slots.
+    pub fn all(p: &'a mut Pairs) -> Chunk<'a> {
         Chunk {
             ends: &p.ends,
             touch: &mut p.touch,
@@ -45,8 +38,14 @@ impl<'a> Chunk<'a> {
         }
     }
 
+    /// One slot.
+    pub fn one(p: &'a mut Pairs, slot: u32) -> Chunk<'a> {
+        let (_, from) = Chunk::all(p).halves(slot as usize);
+        from.halves(1).0
+    }
+
     /// The slots before `at`, and the slots from `at` on.
-    fn halves(self, at: usize) -> (Chunk<'a>, Chunk<'a>) {
+    pub fn halves(self, at: usize) -> (Chunk<'a>, Chunk<'a>) {
         fn cut<T>(v: &mut [T], at: usize) -> (&mut [T], &mut [T]) {
             v.split_at_mut(at.min(v.len()))
         }
@@ -61,6 +60,16 @@ impl<'a> Chunk<'a> {
             Chunk { ends: e0, touch: t0, work: w0, rolling: r0, spring: s0, load: l0, largest: o0 },
             Chunk { ends: e1, touch: t1, work: w1, rolling: r1, spring: s1, load: l1, largest: o1 },
         )
+    }
+
+    /// Whether the run keeps works. Without slots it makes no difference.
+    pub fn keeps_works(&self) -> bool {
+        !self.work.is_empty()
+    }
+
+    /// Whether the run keeps weighted loads. Without slots it makes no difference.
+    pub fn keeps_loads(&self) -> bool {
+        !self.load.is_empty()
     }
 
     /// The history of the contact in slot `s` under the law `L`. `EXTRA`: the run may have rolling moments or weighted loads.
@@ -146,23 +155,9 @@ impl<'a> Chunk<'a> {
     }
 }
 
-/// Whether `items` are too few for more than one thread, at `task` items per parallel task.
-pub fn few(items: usize, task: usize) -> bool {
-    2 * items <= 3 * task || rayon::current_num_threads() == 1
-}
-
 /// Runs `body` on the slots, cut into chunks of at most `task` slots that run in parallel; on all at once in one thread where there are [`few`].
-pub fn for_each_chunk(p: &mut Pairs, slots: Slots<'_>, task: usize, body: impl Fn(Chunk<'_>) + Sync) {
-    if let Slots::These(slots) = slots {
-        for &s in slots {
-            let (_, from) = Chunk::all(p).halves(s as usize);
-            body(from.halves(1).0);
-        }
-        return;
-    }
-    let serial = few(p.slots(), task);
-    let all = Chunk::all(p);
-    if serial { body(all) } else { split(all, task, &body) }
+pub fn for_each_chunk(slots: Chunk<'_>, task: usize, body: impl Fn(Chunk<'_>) + Sync) {
+    if few(slots.ends.len(), task) { body(slots) } else { split(slots, task, &body) }
 }
 
 /// Runs `body` on a range of slots: halves it until a part has at most `task` slots, and runs the halves in parallel.
@@ -171,8 +166,8 @@ fn split(part: Chunk<'_>, task: usize, body: &(impl Fn(Chunk<'_>) + Sync)) {
     if n <= task {
         return body(part);
     }
-    let (left, right) = part.halves(n.div_ceil(task).div_ceil(2) * task);
-    rayon::join(|| split(left, task, body), || split(right, task, body));
+    let (left, right) = part.halves(middle(n));
+    join(|| split(left, task, body), || split(right, task, body));
 }
 
 #[cfg(test)]
@@ -182,7 +177,7 @@ mod tests {
     use std::sync::Mutex;
 
     /// Sizes of the parts of a sweep over `n` slots by `threads` threads; each part marks its slots.
-    fn parts(n: u32, threads: usize, slots: Slots<'_>) -> (Vec<usize>, Vec<f64>) {
+    fn parts(n: u32, threads: usize) -> (Vec<usize>, Vec<f64>) {
         let mut pairs = Pairs::new(Kept { load: true, ..Kept::default() });
         for k in 0..n {
             pairs.add(k, k + 1);
@@ -190,7 +185,7 @@ mod tests {
         let sizes = Mutex::new(Vec::new());
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
         pool.install(|| {
-            for_each_chunk(&mut pairs, slots, 16, |part| {
+            for_each_chunk(Chunk::all(&mut pairs), 16, |part| {
                 sizes.lock().expect("no panic").push(part.ends.len());
                 for ((touch, load), [i, _]) in part.touch.iter_mut().zip(part.load).zip(part.ends) {
                     touch.overlap += 1.0 + f64::from(*i);
@@ -206,15 +201,20 @@ mod tests {
     #[test]
     fn a_sweep_is_cut_into_tasks() {
         for (n, threads, whole) in [(1, 2, true), (24, 2, true), (25, 2, false), (100, 2, false), (100, 1, true)] {
-            let (sizes, marks) = parts(n, threads, Slots::All);
+            let (sizes, marks) = parts(n, threads);
             assert_eq!(marks, (1..=n).map(f64::from).collect::<Vec<_>>());
             assert_eq!(sizes.len() == 1, whole, "{n} {threads}");
-            assert!(whole || sizes.iter().all(|size| *size <= 16) && sizes.len() == n.div_ceil(16) as usize, "{sizes:?}");
+            assert!(whole || sizes.iter().all(|size| *size <= 16) && sizes.iter().sum::<usize>() == n as usize, "{sizes:?}");
         }
     }
 
     #[test]
-    fn listed_slots_are_computed_alone() {
-        assert_eq!(parts(5, 2, Slots::These(&[3, 1])), (vec![1, 1], vec![0.0, 2.0, 0.0, 4.0, 0.0]));
+    fn a_slot_can_be_computed_alone() {
+        let mut pairs = Pairs::new(Kept { load: true, ..Kept::default() });
+        for k in 0..5 {
+            pairs.add(k, k + 1);
+        }
+        let one = Chunk::one(&mut pairs, 3);
+        assert_eq!((one.ends, one.touch.len(), one.load.len(), one.work.len()), (&[[3, 4]][..], 1, 1, 0));
     }
 }

@@ -1,7 +1,7 @@
 //! The list of contact laws. To add one, write a type in a file of [`super::law`] and a line in the list below; from that line follow the word and the keys in
 //! scene files, their checks, and the calls. A program that uses the engine as a library can pass a law of its own as [`ContactLaw::Custom`].
 
-use super::chunk::Slots;
+use super::chunk::Chunk;
 use super::force::Rules;
 use super::law::{Elastic, Law};
 use super::pair::{CoefficientsOf, Pair, PairTable};
@@ -36,7 +36,7 @@ pub struct LawTable {
     /// [`Law::free_step`]
     pub free_step: fn(&Material, f64, f64, f64) -> f64,
     /// [`sweep::grains`]
-    pub sweep_grains: for<'a> fn(bool, &PairTable, &Rules, &Grains, &mut Pairs, Slots<'a>),
+    pub sweep_grains: fn(bool, &PairTable, &Rules, &Grains, Chunk<'_>),
     /// [`wall_sweep::walls`]
     pub sweep_walls: fn(&PairTable, &Rules, &Grains, &[Wall], &mut Pairs),
 }

@@ -4,11 +4,11 @@
 //! It reads the arrays of the grains as they lie in memory: the fourth numbers of position, velocity and spin are the radius, 1/mass and the number that
 //! [`crate::grains::stiffness_radius`] takes.
 
-use super::chunk::{Chunk, Slots, for_each_chunk};
+use super::chunk::{Chunk, for_each_chunk};
 use super::force::{self, ContactGeometry, RelativeMotion, Rules};
 use super::law::Law;
 use super::pair::{Pair, PairTable};
-use super::pairs::{FREE, Pairs};
+use super::pairs::FREE;
 use super::unloading::TangentialUnloading;
 use crate::grains::{Grains, stiffness_radius};
 use crate::math::real::{Lanes, Real};
@@ -17,25 +17,19 @@ use pulp::{Simd, WithSimd};
 use std::marker::PhantomData;
 
 /// Computes the contacts `slots` between grains under the law `L`. `rolling`: whether any material has rolling friction.
-pub fn grains<L: Law>(rolling: bool, table: &PairTable, rules: &Rules, g: &Grains, pairs: &mut Pairs, slots: Slots<'_>) {
+pub fn grains<L: Law>(rolling: bool, table: &PairTable, rules: &Rules, g: &Grains, slots: Chunk<'_>) {
     // the shorter code suffices for a single material without rolling friction and weighted loads, whose tangential force stays as the normal force falls
-    let extra = rolling || rules.unloading == TangentialUnloading::Rescale || pairs.kept().load || table.materials() > 1;
-    match (pairs.kept().work, extra) {
-        (false, false) => sweep_grains::<L, false, false>(table, rules, g, pairs, slots),
-        (true, false) => sweep_grains::<L, true, false>(table, rules, g, pairs, slots),
-        (false, true) => sweep_grains::<L, false, true>(table, rules, g, pairs, slots),
-        (true, true) => sweep_grains::<L, true, true>(table, rules, g, pairs, slots),
+    let extra = rolling || rules.unloading == TangentialUnloading::Rescale || slots.keeps_loads() || table.materials() > 1;
+    match (slots.keeps_works(), extra) {
+        (false, false) => sweep_grains::<L, false, false>(table, rules, g, slots),
+        (true, false) => sweep_grains::<L, true, false>(table, rules, g, slots),
+        (false, true) => sweep_grains::<L, false, true>(table, rules, g, slots),
+        (true, true) => sweep_grains::<L, true, true>(table, rules, g, slots),
     }
 }
 
-fn sweep_grains<L: Law, const LEDGER: bool, const EXTRA: bool>(
-    table: &PairTable,
-    rules: &Rules,
-    g: &Grains,
-    pairs: &mut Pairs,
-    slots: Slots<'_>,
-) {
-    for_each_chunk(pairs, slots, rules.task, |part| {
+fn sweep_grains<L: Law, const LEDGER: bool, const EXTRA: bool>(table: &PairTable, rules: &Rules, g: &Grains, slots: Chunk<'_>) {
+    for_each_chunk(slots, rules.task, |part| {
         rules.arch.dispatch(Sweep::<L, LEDGER, EXTRA> { table, rules, g, part, law: PhantomData });
     });
 }

@@ -1,6 +1,6 @@
 //! Sweeps over contacts, against the laws written out, and what contacts keep from step to step.
 
-use super::chunk::Slots;
+use super::chunk::Chunk;
 use super::force::{self, ContactGeometry, ContactHistory, RelativeMotion, Rules};
 use super::law::{Elastic, Hertz, HertzViscous, Law, Moduli, viscous_coefficient, viscous_coefficient_without_tension};
 use super::pair::{Pair, PairTable};
@@ -162,7 +162,7 @@ fn a_sweep_gives_pairs_of_grains_their_law() {
             let (g, mut pairs) = pairs_of_grains(law, 43, kept);
             pairs.remove(5);
             let table = law.pairs(&materials(law), &[], None);
-            (law.table().sweep_grains)(kept.rolling, &table, &rules(TangentialUnloading::Keep, arch), &g, &mut pairs, Slots::All);
+            (law.table().sweep_grains)(kept.rolling, &table, &rules(TangentialUnloading::Keep, arch), &g, Chunk::all(&mut pairs));
             for slot in 0..43 {
                 let what = format!("{} {slot}", law.word());
                 let [i, j] = [2 * slot, 2 * slot + 1];
@@ -241,10 +241,13 @@ fn lanes_change_no_bit_of_a_history() {
     let history = |law: ContactLaw, arch: pulp::Arch, kept: Kept, unloading, some: bool| {
         let (mut g, mut pairs) = pairs_of_grains(law, 35, kept);
         let table = law.pairs(&materials(law), &[], None);
-        let slots: Vec<u32> = (0..35).rev().collect();
         for step in 0..12 {
-            let all = if some { Slots::These(&slots) } else { Slots::All };
-            (law.table().sweep_grains)(kept.rolling, &table, &rules(unloading, arch), &g, &mut pairs, all);
+            let sweep = |slots: Chunk<'_>| (law.table().sweep_grains)(kept.rolling, &table, &rules(unloading, arch), &g, slots);
+            if some {
+                (0..35).rev().for_each(|slot| sweep(Chunk::one(&mut pairs, slot)));
+            } else {
+                sweep(Chunk::all(&mut pairs));
+            }
             for i in 0..g.len() {
                 let shift = scaled(vector(i, f64::from(step)), 2e-5);
                 g.pos[i] = [g.pos[i][0] + shift[0], g.pos[i][1] + shift[1], g.pos[i][2] + shift[2], g.pos[i][3]];

@@ -1,7 +1,7 @@
 //! The loop over all pairs of a grain and a wall. Most of them do not touch; those that do are collected until they fill the SIMD lanes and then computed
 //! together. The fourth numbers of position, velocity and spin are those of [`super::sweep`].
 
-use super::chunk::{Chunk, Slots, for_each_chunk};
+use super::chunk::{Chunk, for_each_chunk};
 use super::force::{self, ContactGeometry, RelativeMotion, Rules};
 use super::law::Law;
 use super::pair::PairTable;
@@ -40,7 +40,7 @@ fn relative_to_wall<R: Real>(v: [R; 4], w: [R; 4], r: R, normal: [R; 3], speed: 
 }
 
 fn sweep_walls<L: Law, const LEDGER: bool>(table: &PairTable, rules: &Rules, g: &Grains, walls: &[Wall], pairs: &mut Pairs) {
-    for_each_chunk(pairs, Slots::All, rules.task, |part| {
+    for_each_chunk(Chunk::all(pairs), rules.task, |part| {
         rules.arch.dispatch(WallSweep::<L, LEDGER> { table, rules, g, walls, part, law: PhantomData });
     });
 }

@@ -6,7 +6,6 @@
 use super::{State, Workspace};
 use crate::breakage::CrushModel;
 use crate::breakage::criterion::Judges;
-use crate::contact::chunk::few;
 use crate::contact::pairs::{ContactForce, Pairs};
 use crate::dem::physics::Physics;
 #[cfg(target_arch = "x86_64")]
@@ -14,6 +13,7 @@ use crate::math::real::Quad;
 use crate::math::real::{Four, Plain, quads};
 use crate::neighbours::Neighbours;
 use crate::neighbours::adjacency::Link;
+use crate::parallel::{few, join, middle};
 use pulp::Arch;
 
 /// Flag: the grain has left its reference sphere.
@@ -177,7 +177,7 @@ pub(super) fn judged(physics: &Physics, state: &State, by: Judges) -> bool {
 pub fn advance(physics: &Physics, state: &mut State, work: &mut Workspace) {
     let kick = work.kick.take().unwrap_or(if state.fresh { 0.5 * state.dt } else { state.dt });
     let Workspace { neighbours, flags, external_forces, task, arch, .. } = work;
-    let (task, arch) = (*task / 4, *arch);
+    let (task, arch) = (*task, *arch);
     let ledger = state.pairs.kept().work;
     let crush = judged(physics, state, Judges::Contacts);
     let State { grains, pairs, wall_pairs, .. } = state;
@@ -224,7 +224,7 @@ fn split<const LEDGER: bool, const CRUSH: bool, const ROLLING: bool>(input: &Inp
     if n <= input.task {
         return dispatch::<LEDGER, CRUSH, ROLLING>(input, part);
     }
-    let half = n.div_ceil(input.task).div_ceil(2) * input.task;
+    let half = middle(n);
     let (p0, p1) = part.pos.split_at_mut(half);
     let (v0, v1) = part.vel.split_at_mut(half);
     let (s0, s1) = part.spin.split_at_mut(half);
@@ -232,7 +232,7 @@ fn split<const LEDGER: bool, const CRUSH: bool, const ROLLING: bool>(input: &Inp
     let (f0, f1) = part.flags.split_at_mut(half);
     let left = GrainSlices { first: part.first, pos: p0, vel: v0, spin: s0, work: w0, flags: f0 };
     let right = GrainSlices { first: part.first + half, pos: p1, vel: v1, spin: s1, work: w1, flags: f1 };
-    rayon::join(|| split::<LEDGER, CRUSH, ROLLING>(input, left), || split::<LEDGER, CRUSH, ROLLING>(input, right));
+    join(|| split::<LEDGER, CRUSH, ROLLING>(input, left), || split::<LEDGER, CRUSH, ROLLING>(input, right));
 }
 
 /// Chooses code with or without external forces.

@@ -3,8 +3,9 @@
 //! The integration is a leapfrog: positions and forces are those of full steps, velocities those of half steps. The stages of a step are
 //!
 //! 1. contact forces of every pair, from positions and velocities;
-//! 2. in parallel with them, neighbour lists: search around grains that have moved too far, find listed pairs that begin to touch;
-//! 3. reactions of the walls; inertial masses or the time step when due;
+//! 2. in parallel with them, neighbour lists: search around grains that have moved too far, find listed pairs that begin to touch; then contacts with walls and
+//!    their reactions;
+//! 3. contacts that begin; inertial masses or the time step when due;
 //! 4. control: the test looks at the forces of this instant (records, wall speeds);
 //! 5. motion: each grain sums its contacts in the order of its partners' identities, is compared with its breakage threshold, and is accelerated and
 //!    moved; walls move;
@@ -23,20 +24,20 @@ pub mod stability;
 
 use crate::boundary::Wall;
 use crate::check::{self, Checked, below, ensure};
-use crate::contact::chunk::{self, Slots};
+use crate::contact::chunk::{self, Chunk};
 use crate::contact::force::Rules;
 use crate::contact::pair::PairTable;
 use crate::contact::pairs::{FREE, Kept, Pairs};
 use crate::grains::Grains;
 use crate::math::vector::dot;
-use crate::neighbours::{Neighbours, Pools, flagged};
+use crate::neighbours::{Half, Neighbours, Pools, WallList, flagged};
+use crate::parallel::{self, join, middle};
 use birth::Aftermath;
 use event::Breakage;
 use ledger::Ledger;
 use physics::Physics;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
-use std::sync::atomic::{AtomicBool, Ordering};
 
 /// The state of the grains, their contacts and walls: all that a restart needs.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -109,7 +110,7 @@ pub struct Workspace {
     births_since_reorder: usize,
     /// For tests: makes all lists anew at every step.
     pub rebuild_always: bool,
-    /// Number of contacts in a parallel task. A pair that does not touch costs about a quarter of a contact, a grain four times a contact.
+    /// Number of contacts, or of grains, in a parallel task. A pair that does not touch costs about a quarter of a contact.
     pub task: usize,
     /// Instruction set of the inner loops; changes no bit of the results.
     pub arch: pulp::Arch,
@@ -327,6 +328,15 @@ pub fn integrate(physics: &Physics, state: &mut State, work: &mut Workspace) {
 /// Moves grains and walls by one step.
 pub fn move_grains(physics: &Physics, state: &mut State, work: &mut Workspace) {
     let mut watch = Stopwatch::new(&mut work.clock);
+    awake(small(state, work), || accelerate(physics, state, work));
+    for w in &mut state.walls {
+        w.advance(state.dt);
+    }
+    watch.lap(&mut work.clock, 2);
+}
+
+/// Moves grains by one step, and collects what that has flagged.
+fn accelerate(physics: &Physics, state: &mut State, work: &mut Workspace) {
     stability::follow_fast_contacts(physics, state, work);
     state.aftermath.add_forces(&mut work.external_forces, state.grains.len());
     let half = 0.5 * state.dt;
@@ -334,59 +344,45 @@ pub fn move_grains(physics: &Physics, state: &mut State, work: &mut Workspace) {
     gather::advance(physics, state, work);
     mean_stress::judge(physics, state, work);
     state.ledger.release += half * state.aftermath.power(&state.grains);
-    on_one_thread(small(state, work), || collect(state, work));
-    for w in &mut state.walls {
-        w.advance(state.dt);
-    }
-    watch.lap(&mut work.clock, 2);
+    collect(state, work);
 }
 
 /// Breaks the grains over their thresholds, continues the consequences of earlier breakages, and ends the step.
 pub fn breakage(physics: &Physics, state: &mut State, work: &mut Workspace) {
     let mut watch = Stopwatch::new(&mut work.clock);
-    on_one_thread(small(state, work), || crush(physics, state, work));
-    work.external_forces.clear();
-    if !state.aftermath.is_empty() {
-        let criterion = physics.crush.as_ref().map(|c| &c.criterion);
-        birth::advance(criterion, state, &work.neighbours, &mut work.moved);
-    }
+    awake(small(state, work), || {
+        crush(physics, state, work);
+        work.external_forces.clear();
+        if !state.aftermath.is_empty() {
+            let criterion = physics.crush.as_ref().map(|c| &c.criterion);
+            birth::advance(criterion, state, &work.neighbours, &mut work.moved);
+        }
+    });
     watch.lap(&mut work.clock, 3);
     state.step += 1;
     state.time += state.dt;
     state.fresh = false;
 }
 
-/// Runs `job` on one thread while another worker spins instead of going to sleep: waking a sleeping worker costs as much as the forces of a thousand
-/// contacts. If the step is `small`, `job` is simply run.
-fn on_one_thread(small: bool, job: impl FnOnce() + Send) {
-    if small {
-        return job();
-    }
-    let done = AtomicBool::new(false);
-    let spin = || {
-        while !done.load(Ordering::Acquire) {
-            std::hint::spin_loop();
-        }
-    };
-    let job = || {
-        let _ends = Ends(&done);
-        job();
-    };
-    rayon::join(job, spin);
+/// Runs `job`, which has parts for one thread and for several, while another thread stays awake; in a `small` step, which has parts for one alone, it is simply
+/// run.
+fn awake(small: bool, job: impl FnOnce() + Send) {
+    if small { job() } else { parallel::awake(job) }
 }
 
-/// Tells the spinning worker that a job has ended, even if it ended by a panic.
-struct Ends<'a>(&'a AtomicBool);
-
-impl Drop for Ends<'_> {
-    fn drop(&mut self) {
-        self.0.store(true, Ordering::Release);
+/// Does both jobs, in a `small` step one after the other.
+fn both(small: bool, here: impl FnOnce() + Send, there: impl FnOnce() + Send) {
+    if small {
+        here();
+        there();
+    } else {
+        join(here, there);
     }
 }
 
 /// Whether a step has too few contacts for several threads to be of use.
 fn small(state: &State, work: &Workspace) -> bool {
-    chunk::few(state.pairs.slots(), work.task)
+    parallel::few(state.pairs.slots(), work.task)
 }
 
 /// Leaves no gaps between contacts in memory, and sorts grains there when many were born or many searches were needed since the last time.
@@ -427,35 +423,47 @@ pub fn contacts(physics: &Physics, state: &mut State, work: &mut Workspace) {
     let weighs_radius = physics.crush.as_ref().is_none_or(|c| c.criterion.weighs_radius());
     let rules = Rules { dt: state.dt, unloading: physics.contact.unloading, weighs_radius, task: work.task, arch: work.arch };
     let small = small(state, work);
-    let task = work.task;
-    let State { grains, walls, pairs, wall_pairs, .. } = state;
-    let Workspace { table, neighbours, begun, moved, rebuild_always, .. } = work;
-    let table = &*table;
-    // the lists change only pairs that do not touch, which the computation of contact forces does not read
-    let laws = physics.contact.law.table();
-    let rolling = physics.contact.rolling;
-    let mut sweep = || (laws.sweep_grains)(rolling, table, &rules, grains, pairs, Slots::All);
-    let mut lists = || {
-        search(neighbours, moved, *rebuild_always, rules.dt, grains, walls, wall_pairs);
-        neighbours.activate_contacts(&grains.pos, 4 * task);
-        (laws.sweep_walls)(table, &rules, grains, walls, wall_pairs);
-    };
-    if small {
-        (sweep(), lists())
-    } else {
-        rayon::join(sweep, lists)
-    };
-    on_one_thread(small, || {
-        neighbours.begin_contacts(grains, pairs, begun);
-        (laws.sweep_grains)(rolling, table, &rules, grains, pairs, Slots::These(begun));
-        reactions(physics, table, &rules, grains, walls, wall_pairs, neighbours);
-    });
+    awake(small, || sweep(physics, small, &rules, state, work));
     state.aftermath.compute_forces(physics, &state.grains, &work.table);
     // with inertia scaling newborn grains get their inertial mass at birth; without, the time step has to be computed again
     let born =
         (std::mem::take(&mut state.births) || state.aftermath.restless().next().is_some()) && !physics.stepping.inertia_scaling;
     if born || state.step.is_multiple_of(state.stability_interval) {
         stability::refresh(physics, state, work);
+    }
+}
+
+/// Computes the forces of all contacts, brings the lists up to date, and sums the walls' reactions. In a step that is not `small` each of two threads computes
+/// the contacts of the half of the grains that it also moves ([`crate::parallel`]): the lists are searched before the first half, and what else there is
+/// follows the second.
+fn sweep(physics: &Physics, small: bool, rules: &Rules, state: &mut State, work: &mut Workspace) {
+    let State { grains, walls, pairs, wall_pairs, .. } = state;
+    let Workspace { table, neighbours, begun, moved, rebuild_always, .. } = work;
+    let (grains, table) = (&*grains, &*table);
+    let laws = physics.contact.law.table();
+    let forces = |slots: Chunk<'_>| (laws.sweep_grains)(physics.contact.rolling, table, rules, grains, slots);
+    let half = middle(pairs.slots());
+    let (first, second) = Chunk::all(pairs).halves(half);
+    // the lists change only pairs that do not touch, which the computation of contact forces does not read
+    let first_and_lists = || {
+        search(neighbours, moved, *rebuild_always, rules.dt, grains, walls, wall_pairs);
+        let ([near, far], wall_lists) = neighbours.apart();
+        let touching = |pairs: Half<'_>| pairs.mark_touching(&grains.pos, 4 * rules.task);
+        let of_first = || {
+            forces(first);
+            touching(near);
+        };
+        let of_second = || {
+            touching(far);
+            (laws.sweep_walls)(table, rules, grains, walls, wall_pairs);
+            reactions(physics, table, rules, grains, walls, wall_pairs, wall_lists);
+        };
+        both(small, of_first, of_second);
+    };
+    both(small, first_and_lists, || forces(second));
+    neighbours.begin_contacts(grains, pairs, begun);
+    for &slot in &*begun {
+        forces(Chunk::one(pairs, slot));
     }
 }
 
@@ -467,11 +475,11 @@ fn reactions(
     grains: &Grains,
     walls: &mut [Wall],
     pairs: &Pairs,
-    neighbours: &Neighbours,
+    lists: &[WallList],
 ) {
     for (k, wall) in walls.iter_mut().enumerate() {
         let (mut sum, mut stiffness, mut shear) = (0.0, 0.0, 0.0);
-        for &(_, slot) in &neighbours.wall_lists[k] {
+        for &(_, slot) in &lists[k] {
             let touch = &pairs.touch[slot as usize];
             if touch.overlap > 0.0 {
                 let i = pairs.ends[slot as usize][0] as usize;
@@ -567,7 +575,7 @@ pub fn permute(state: &mut State, work: &mut Workspace, order: &[u32]) {
     // contacts in the order in which a loop over grains first comes to them
     let slot_order = |pairs: &Pairs| {
         let mut slots: Vec<u32> = (0..pairs.slots() as u32).filter(|&s| pairs.ends[s as usize][0] != FREE).collect();
-        slots.sort_unstable_by_key(|&s| {
+        slots.par_sort_unstable_by_key(|&s| {
             let [a, b] = pairs.ends[s as usize].map(|i| place[i as usize]);
             (a.min(b), a.max(b))
         });
@@ -577,7 +585,7 @@ pub fn permute(state: &mut State, work: &mut Workspace, order: &[u32]) {
     state.pairs.permute(&order_pairs, |[i, j]| [place[i as usize], place[j as usize]]);
     let mut order_walls: Vec<u32> =
         (0..state.wall_pairs.slots() as u32).filter(|&s| state.wall_pairs.ends[s as usize][0] != FREE).collect();
-    order_walls.sort_unstable_by_key(|&s| {
+    order_walls.par_sort_unstable_by_key(|&s| {
         let [i, k] = state.wall_pairs.ends[s as usize];
         (k, place[i as usize])
     });
@@ -703,13 +711,5 @@ mod tests {
         let (sorted, any) = (advance(any.clone(), Workspace::sorted), advance(any, Workspace::new));
         assert_eq!((&sorted.id, &any.id), (&vec![0, 1], &vec![1, 0]));
         assert!((0..2).all(|i| sorted.pos[i] == any.pos[1 - i] && sorted.vel[i] == any.vel[1 - i]));
-    }
-
-    #[test]
-    fn a_panic_alone_does_not_leave_the_others_waiting() {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().expect("threads");
-        let run = || pool.install(|| on_one_thread(false, || panic!("on purpose")));
-        let outcome = std::panic::catch_unwind(std::panic::AssertUnwindSafe(run));
-        assert!(outcome.is_err());
     }
 }

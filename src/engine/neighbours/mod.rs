@@ -22,7 +22,11 @@ use crate::math::vector::dot;
 use adjacency::Adjacency;
 pub(crate) use adjacency::Entry;
 use grid::CellGrid;
+pub use near::Half;
 use near::Near;
+
+/// Grains close to a wall in the order of their identities, as (identity of the grain, slot).
+pub type WallList = Vec<(u32, u32)>;
 
 /// Steps for which the skin of a fast grain should last.
 const LASTS: f64 = 64.0;
@@ -49,8 +53,8 @@ pub struct Neighbours {
     wall_reference: Vec<WallShape>,
     /// Skin of the walls, m.
     wall_skin: f64,
-    /// Of each wall: the grains close to it in the order of their identities, as (identity of the grain, slot).
-    pub wall_lists: Vec<Vec<(u32, u32)>>,
+    /// Of each wall: the grains close to it.
+    pub wall_lists: Vec<WallList>,
     /// Buffer of a search: grains found.
     found: Vec<u32>,
     /// Buffer: entries to be removed.
@@ -257,13 +261,13 @@ impl Neighbours {
         self.contacts.of(i).filter(|e| !e.is_wall()).map(move |e| (e, other_end(pairs.ends[e.slot()], i)))
     }
 
-    /// Marks the listed pairs that have begun to touch; `task` pairs make one parallel task. Only positions (`pos`: centre and radius, m) are read, so this
-    /// may run in parallel with the computation of contact forces. [`Self::begin_contacts`] does the rest.
-    pub fn activate_contacts(&mut self, pos: &[[f64; 4]], task: usize) {
-        self.near.activate_contacts(pos, task);
+    /// Both halves of the listed pairs that do not touch, for those to be marked that now do, and the lists of the walls.
+    pub fn apart(&mut self) -> ([Half<'_>; 2], &[WallList]) {
+        let (first, second) = self.near.halves();
+        ([first, second], &self.wall_lists)
     }
 
-    /// Makes contacts of the pairs marked by [`Self::activate_contacts`], without forces yet; their slots are written into `slots`.
+    /// Makes contacts of the pairs marked by [`Half::mark_touching`], without forces yet; their slots are written into `slots`.
     pub fn begin_contacts(&mut self, g: &Grains, pairs: &mut Pairs, slots: &mut Vec<u32>) {
         self.near.met(slots);
         for s in slots {
@@ -458,7 +462,7 @@ mod tests {
         let g = row(&[(0.0, 0.6), (1.0, 0.6), (2.0, 0.6), (3.0, 0.6), (4.0, 0.6)]);
         let (mut pairs, mut wall_pairs) = (Pairs::new(Kept::default()), Pairs::new(Kept::default()));
         let mut lists = Neighbours::new(&g, &[], &mut Pools { pairs: &mut pairs, wall_pairs: &mut wall_pairs }, 0.2);
-        lists.activate_contacts(&g.pos, 1000);
+        lists.apart().0.into_iter().for_each(|half| half.mark_touching(&g.pos, 1000));
         lists.begin_contacts(&g, &mut pairs, &mut Vec::new());
         let of = |lists: &Neighbours, pairs: &Pairs, i| lists.touching(i, pairs).map(|(_, j)| j).collect::<Vec<_>>();
         assert_eq!((pairs.slots(), of(&lists, &pairs, 3)), (4, vec![2, 4]));

@@ -1,10 +1,10 @@
 //! Listed pairs of grains that do not touch. Only their two ends are stored, as in a crushed assembly they are many times more than the contacts.
 
-use crate::contact::chunk::few;
 use crate::contact::pairs::FREE;
 use crate::contact::sweep::difference;
 use crate::math::vector::dot;
-use rayon::prelude::*;
+use crate::parallel::{few, join, middle};
+use rayon::slice::ParallelSliceMut;
 
 /// Listed pairs that do not touch, each in a slot.
 #[derive(Default)]
@@ -50,15 +50,12 @@ impl Near {
         self.ends.iter().copied().enumerate().filter(|(_, e)| e[0] != FREE)
     }
 
-    /// Marks the pairs that touch at the positions `pos` (centre and radius, m); `task` pairs make one parallel task.
-    pub fn activate_contacts(&mut self, pos: &[[f64; 4]], task: usize) {
-        if few(self.ends.len(), task) {
-            return mark(pos, &self.ends, &mut self.met);
-        }
-        self.ends.par_chunks(task).zip(self.met.par_chunks_mut(task)).for_each(|(ends, met)| mark(pos, ends, met));
+    /// Both halves of the slots.
+    pub fn halves(&mut self) -> (Half<'_>, Half<'_>) {
+        Half { ends: &self.ends, met: &mut self.met }.halves()
     }
 
-    /// Writes the slots marked by [`Self::activate_contacts`] into `out`.
+    /// Writes the slots marked by [`Half::mark_touching`] into `out`.
     pub fn met(&self, out: &mut Vec<u32>) {
         out.clear();
         super::flagged(&self.met, |k, _| out.push(k));
@@ -73,7 +70,7 @@ impl Near {
                 (a.min(b), a.max(b), [a, b])
             })
             .collect();
-        keyed.sort_unstable();
+        keyed.par_sort_unstable();
         self.ends.clear();
         self.ends.extend(keyed.iter().map(|k| k.2));
         self.met.clear();
@@ -84,6 +81,31 @@ impl Near {
     /// Memory in use, bytes.
     pub fn bytes(&self) -> usize {
         self.ends.capacity() * 8 + self.met.capacity() + self.free.capacity() * 4
+    }
+}
+
+/// A range of the slots of [`Near`].
+pub struct Half<'a> {
+    ends: &'a [[u32; 2]],
+    met: &'a mut [u8],
+}
+
+impl Half<'_> {
+    fn halves(self) -> (Self, Self) {
+        let at = middle(self.ends.len());
+        let (e0, e1) = self.ends.split_at(at);
+        let (m0, m1) = self.met.split_at_mut(at);
+        (Half { ends: e0, met: m0 }, Half { ends: e1, met: m1 })
+    }
+
+    /// Marks the pairs that touch at the positions `pos` (centre and radius, m); up to `task` pairs make one parallel task. Nothing else is read, so this may
+    /// run in parallel with the computation of contact forces.
+    pub fn mark_touching(self, pos: &[[f64; 4]], task: usize) {
+        if few(self.ends.len(), task) {
+            return mark(pos, self.ends, self.met);
+        }
+        let (left, right) = self.halves();
+        join(|| left.mark_touching(pos, task), || right.mark_touching(pos, task));
     }
 }
 
