@@ -84,7 +84,7 @@ impl Near {
     }
 }
 
-/// A range of the slots of [`Near`].
+/// Listed pairs that do not touch, in a range of slots.
 pub struct Half<'a> {
     ends: &'a [[u32; 2]],
     met: &'a mut [u8],
