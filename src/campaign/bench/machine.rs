@@ -22,7 +22,7 @@ pub struct Machine {
 const TRIAD: usize = 8 << 20;
 /// Number of rounds; the best one counts.
 const ROUNDS: usize = 5;
-/// How often a thread looks for what the other sends in [`round_trip`], some milliseconds: all others may be at work elsewhere.
+/// How often a thread looks for what the other sends in a round trip, some milliseconds: all others may be at work elsewhere.
 const PATIENCE: u32 = 1 << 20;
 /// Number of multiply-adds in one chain.
 const CHAIN: usize = 1 << 21;

@@ -64,7 +64,7 @@ pub struct Speed {
     pub roofline: [[f64; 2]; 2],
     /// Load average of the last minute before and after, where the system tells.
     pub load: [Option<f64>; 2],
-    /// Time for a number to go from one thread to another and back, s, before and after ([`round_trip`]).
+    /// Time for a number to go from one thread to another and back, s, before and after; `None` on one thread. Where two threads share a cache it is about 50 ns.
     pub round_trip: [Option<f64>; 2],
 }
 
