@@ -1,15 +1,14 @@
-//! Parts of a step on several threads. Threads of rayon fall asleep when they find nothing to do for some ten microseconds, and to wake one costs as much as the
-//! forces of a thousand contacts: here a thread that waits looks for other work, and stays awake.
+//! Parts of a step on several threads. Threads of rayon soon fall asleep where they find nothing to do, and to wake one costs as much as the forces of a thousand
+//! contacts: here a thread that waits looks for other work, and stays awake.
 //!
-//! What two jobs share goes from one processor core to the other, which costs up to ten times as much as what stays. Where a loop over the same data is cut at
-//! the same place in every part of a step, the thread that runs the step mostly gets the first half of it, and another the second.
+//! What two jobs share goes from one processor core to the other, which costs two to seven times as much as what stays (docs/validation/speed.md). Where a loop
+//! over the same data is cut at the same place in every part of a step, the thread that runs the step mostly gets the first half of it, and another the second.
 
 use crate::math::real::MOST_LANES;
 use rayon::Yield;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Whether `items` are too few for more than one thread, at `task` items per parallel task: up to one and a half tasks a second thread costs more than it
-/// brings.
+/// Whether `items` are too few for more than one thread, at `task` items per parallel task: up to one and a half tasks.
 pub fn few(items: usize, task: usize) -> bool {
     2 * items <= 3 * task || rayon::current_num_threads() == 1
 }
